@@ -19,9 +19,11 @@ import warnings
 import zipfile
 from collections import Counter
 from collections.abc import Mapping
+from functools import cache
 from io import BytesIO
 from pathlib import Path
 
+import can
 from click.testing import CliRunner
 from mutations import expect_refusal, mutated
 
@@ -83,7 +85,7 @@ def read_seeds() -> dict[str, bytes]:
     """Give logs by name: recorded ones, those that were found, and those of binary formats."""
     paths = [*LOGS.glob("*.*"), *KEPT.glob("*.*")]
     found = {path.name: path.read_bytes() for path in sorted(paths) if path.suffix != ".md"}
-    return {**found, "capture_made.sr": sigrok(), "bus_made.log": candump()}
+    return {**found, "capture_made.sr": sigrok(), "bus_made.log": candump(), **can_logs()}
 
 
 def sigrok() -> bytes:
@@ -106,6 +108,23 @@ def candump() -> bytes:
     return "\n".join(lines).encode()
 
 
+@cache
+def can_logs() -> Mapping[str, bytes]:
+    """Give whole frames in each other form that python-can reads, and as candump shows them."""
+    with can.CanutilsLogReader(KEPT / "bus_whole.log") as reader:
+        frames = list(reader)
+    shown = [f"can0  {f.arbitration_id:03X}   [{f.dlc}]  {f.data.hex(' ')}" for f in frames]
+    logs = {"bus_shown.log": "\n".join(shown).encode()}
+    with tempfile.TemporaryDirectory(prefix="skiplatch-fuzz-") as folder:
+        for ending in (".asc", ".blf", ".csv", ".db", ".trc", ".log.gz"):
+            path = Path(folder) / f"bus_made{ending}"
+            with can.Logger(path) as writer:
+                for frame in frames:
+                    writer(frame)
+            logs[path.name] = path.read_bytes()
+    return logs
+
+
 def check_and_keep(name: str, data: bytes, verdicts: Counter[str]) -> bool:
     """Tell whether the input broke the property; if so print how and keep it."""
     started = time.process_time()
@@ -121,7 +140,7 @@ def check_and_keep(name: str, data: bytes, verdicts: Counter[str]) -> bool:
         traceback.print_exc()
         KEPT.mkdir(parents=True, exist_ok=True)
         digest = hashlib.sha256(data).hexdigest()[:12]
-        kept = KEPT / f"{pattern_of(name).split('*')[0]}_{digest}{Path(name).suffix}"
+        kept = KEPT / f"{pattern_of(name).split('*')[0]}_{digest}{ending_of(name)}"
         kept.write_bytes(data)
         print(f"fuzz_import: kept {kept}", file=sys.stderr)
         return True
@@ -134,11 +153,16 @@ def pattern_of(name: str) -> str:
     return next(pattern for pattern in CALLS if Path(name).match(pattern))
 
 
+def ending_of(name: str) -> str:
+    """Give the ending, all of it where the log is packed."""
+    return "".join(Path(name).suffixes)
+
+
 def check(name: str, data: bytes) -> str:
     """Import the data and tell whether they were "read" or "refused"; raise if neither is so."""
     call = CALLS[pattern_of(name)]
     with tempfile.TemporaryDirectory(prefix="skiplatch-fuzz-") as folder:
-        path, out = Path(folder) / f"input{Path(name).suffix}", Path(folder) / "out"
+        path, out = Path(folder) / f"input{ending_of(name)}", Path(folder) / "out"
         path.write_bytes(data)
         words = [str(path) if word == "LOG" else word for word in call]
         with warnings.catch_warnings():

@@ -28,6 +28,7 @@ from skiplatch.diagnosis.reported.schema import read_diagnosis_json
 from skiplatch.errors import InputError
 from skiplatch.files import read_json
 from skiplatch.fleet.diagnosed import DIAGNOSIS_FILE, diagnosed
+from skiplatch.importing.detect import read_any
 from skiplatch.kinematics.control import read_control
 from skiplatch.kinematics.machine import Machine, read_machine, read_preset, read_spindle
 from skiplatch.kinematics.memory import SHOW, Memory, StoreRefusedError
@@ -45,6 +46,7 @@ KEPT = FUZZ / "corpus" / "readers"
 SAMPLES = FUZZ.parents[1] / "scripts" / "samples"
 KINEMATICS = SAMPLES / "kinematics"
 PLANS = SAMPLES / "plans"
+TOLD_BY_CONTENT = (".log", ".txt", ".csv", ".sr")
 MOST_SECONDS = 5.0  # of processor time that one small file may take
 
 
@@ -127,13 +129,19 @@ def _importers() -> Mapping[str, Reader]:
     logs: dict[tuple[str, str], dict[str, bytes]] = {}
     for name, data in fuzz_import.read_seeds().items():
         kind = fuzz_import.pattern_of(name).split("*")[0]
-        logs.setdefault((kind, Path(name).suffix), {})[name] = data
+        logs.setdefault((kind, fuzz_import.ending_of(name)), {})[name] = data
     return {
         f"{kind}{ending}": Reader(
             f"log{ending}", partial(_import, next(iter(named))), named, has_other=True
         )
         for (kind, ending), named in logs.items()
     }
+
+
+def _any_log() -> Reader:
+    """Give the reader that finds out by itself of what kind a log is."""
+    logs = {n: data for n, data in fuzz_import.read_seeds().items() if n.endswith(TOLD_BY_CONTENT)}
+    return Reader("log.txt", read_any, logs)
 
 
 def _import(name: str, path: Path) -> None:
@@ -177,6 +185,7 @@ READERS: Mapping[str, Reader] = {
         _files(*fuzz_campaign.CORPUS.glob("*.csv")),
         has_other=True,
     ),
+    "any": _any_log(),
     **_importers(),
 }
 SHARED = {"models": "diagnosis", "stored": "diagnosis"}

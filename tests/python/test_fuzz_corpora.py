@@ -1,5 +1,6 @@
-"""The corpora of the fuzzers in Python, seeds and former crashes, hold their properties."""
+"""What is fuzzed holds its properties: the seeds, former crashes, and what is made of them."""
 
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -8,7 +9,10 @@ import pytest
 
 FUZZ = Path(__file__).parents[1] / "fuzz"
 FUZZERS = [path.name for path in sorted(FUZZ.glob("fuzz_*.py"))]
-FOR_EACH = {"fuzz_readers.py": 0.1}  # so much of the time for each of its readers
+TARGETS = [path.stem for path in sorted(FUZZ.glob("fuzz_*.c"))]
+SECONDS = {"fuzz_readers.py": 0.5}  # for each of its readers
+MINUTE = 60
+NIGHTLY = pytest.param(True, marks=pytest.mark.nightly)
 
 
 def run_fuzzer(*words: str) -> subprocess.CompletedProcess[str]:
@@ -24,13 +28,27 @@ def test_whole_corpus_is_read_or_refused_in_one_line(fuzzer: str) -> None:
     assert run.stdout.endswith(" 0 failures\n")
 
 
-@pytest.mark.parametrize(
-    "seconds",
-    [pytest.param(5, marks=pytest.mark.long), pytest.param(20, marks=pytest.mark.nightly)],
-)
+@pytest.mark.parametrize("is_minute", [pytest.param(False, marks=pytest.mark.long), NIGHTLY])
 @pytest.mark.parametrize("fuzzer", FUZZERS)
-def test_what_is_mutated_is_read_or_refused_in_one_line(fuzzer: str, seconds: int) -> None:
-    run = run_fuzzer(fuzzer, str(FOR_EACH.get(fuzzer, 1.0) * seconds))
+def test_what_is_mutated_is_read_or_refused_in_one_line(fuzzer: str, *, is_minute: bool) -> None:
+    run = run_fuzzer(fuzzer, str(MINUTE if is_minute else SECONDS.get(fuzzer, 5.0)))
 
     assert run.returncode == 0, run.stdout + run.stderr
     assert run.stdout.endswith(" 0 failures\n")
+
+
+@pytest.mark.nightly
+@pytest.mark.skipif(shutil.which("clang") is None, reason="no clang here")
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_minute_of_libfuzzer_finds_nothing(target: str) -> None:
+    command = ["VARIANT=fuzz", "INNER=yes", f"fuzz/{target}", f"SECONDS={MINUTE}"]
+    run = subprocess.run(
+        [shutil.which("make") or "make", *command],
+        cwd=FUZZ.parents[1],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert "stat::number_of_executed_units" in run.stderr
