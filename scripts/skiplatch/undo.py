@@ -4,7 +4,6 @@ import os
 import secrets
 import shutil
 import signal
-import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -123,7 +122,7 @@ def taken_back_on_failure() -> Iterator[None]:
     steps: list[_Step | _MadeFolder] = []
     token = _STEPS.set(steps)
     try:
-        with _terminated_in_order():
+        with _ended_in_order():
             yield
         keep_outputs()
     except (click.exceptions.Exit, BrokenPipeError):
@@ -140,20 +139,34 @@ def taken_back_on_failure() -> Iterator[None]:
 
 
 @contextmanager
-def _terminated_in_order() -> Iterator[None]:
-    """Turn SIGTERM into an exception, so that no temporary file is left."""
+def _ended_in_order() -> Iterator[None]:
+    """Turn SIGTERM into an exception, so that no temporary file is left.
 
-    def end(*_: object) -> NoReturn:
-        sys.exit(TERMINATED)
-
+    DuckDB puts a RuntimeError in place of what a signal's handler raises while a query runs. So
+    that is noted, and raised in the end.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGTERM, end)
+    asked: list[SystemExit | KeyboardInterrupt] = []
+
+    def end(number: int, _: object) -> NoReturn:
+        is_terminated = number == signal.SIGTERM
+        asked.append(SystemExit(TERMINATED) if is_terminated else KeyboardInterrupt())
+        raise asked[-1]
+
+    before = {signal.SIGTERM: signal.signal(signal.SIGTERM, end)}
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        before[signal.SIGINT] = signal.signal(signal.SIGINT, end)
     try:
         yield
+    except RuntimeError as error:
+        if asked and type(error) is RuntimeError:  # an exit that a command asks for is one, too
+            raise asked[-1] from error
+        raise
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def temporary_sibling(target: Path) -> Path:

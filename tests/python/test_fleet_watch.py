@@ -339,10 +339,12 @@ def test_a_store_is_the_same_whoever_diagnoses(tmp_path: Path) -> None:
 
 
 @contextmanager
-def watched(inbox: Path, store: Path) -> Iterator[Callable[[dict[str, str | None]], None]]:
+def watched(
+    inbox: Path, store: Path, lines: Path | None = None
+) -> Iterator[Callable[[dict[str, str | None]], None]]:
     """Watch a folder meanwhile; gives a function that waits until the store holds what it is to."""
     stop = threading.Event()
-    arguments = Intake(store, None, 1, Workers()), Arrivals(inbox, SETTLE_S), stop
+    arguments = Intake(store, None, 1, Workers()), Arrivals(inbox, SETTLE_S), stop, lines
     thread = threading.Thread(target=watch, args=arguments)
     thread.start()
 
@@ -388,9 +390,10 @@ def test_a_watch_takes_what_comes_once_it_is_whole(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    other = put(tmp_path / "elsewhere")
+    other, lines = put(tmp_path / "elsewhere"), tmp_path / "lines.json"
+    lines.write_text("{}\n")
     text = (other / "touches.csv").read_text()
-    with watched(inbox, store) as until:
+    with watched(inbox, store, lines) as until:
         folder = inbox / "monday"
         folder.mkdir()
         with stopped_clock(monkeypatch) as looked, (folder / "touches.csv").open("w") as file:
@@ -405,6 +408,39 @@ def test_a_watch_takes_what_comes_once_it_is_whole(
         until({"monday": "explained", "tuesday": "explained"})
 
     assert len(diagnosed) == 2
+    assert [json.loads(line) for line in lines.read_text().splitlines()] == [
+        {},
+        *(
+            {"path": str(inbox / day), "is_kept": True, "said": "kept"}
+            for day in ("monday", "tuesday")
+        ),
+    ]
+
+
+def test_a_watch_tells_each_campaign_as_a_line_of_json(
+    inbox: Path, store: Path, diagnosed: list[Path | None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (put(inbox / "bad") / "touches.csv").write_text("touch\nx\n")
+    put(inbox / "good")
+
+    look = Arrivals.look
+
+    def looked(self: Arrivals) -> object:
+        if self.dealt_with:
+            raise KeyboardInterrupt
+        return look(self)
+
+    monkeypatch.setattr(fleet_watch, "UNNOTICED_S", 0.0)
+    with monkeypatch.context() as patched:
+        patched.setattr(Arrivals, "look", looked)
+        words = ["--store", str(store), "--settle-s", AT_ONCE_S, "--json", "-"]
+        result = CliRunner().invoke(group, ["fleet", "watch", str(inbox), *words])
+
+    assert result.exit_code == 130
+    bad, good = map(json.loads, result.stdout.splitlines())
+    assert (bad["path"], bad["is_kept"]) == (str(inbox / "bad"), False)
+    assert bad["said"].startswith(str(inbox / "bad" / "touches.csv"))
+    assert good == {"path": str(inbox / "good"), "is_kept": True, "said": "kept"}
 
 
 @pytest.mark.long

@@ -59,10 +59,13 @@ def command(
 
 @dataclass(slots=True)
 class Taken:
-    """What became of the campaigns: new, with other files than were kept, as kept, or refused."""
+    """What became of the campaigns: new, with other files than were kept, as kept, or refused.
 
-    added: list[Intake] = field(default_factory=list)
-    replaced: list[Intake] = field(default_factory=list)
+    Only what the document says of them stays, for their touches would fill the memory.
+    """
+
+    added: list[dict[str, Any]] = field(default_factory=list)
+    replaced: list[dict[str, Any]] = field(default_factory=list)
     known: int = 0
     refused: list[tuple[Path, InputError]] = field(default_factory=list)
 
@@ -71,7 +74,7 @@ class Taken:
         if intake is None:
             self.known += 1
             return
-        (self.replaced if intake.is_known or intake.older else self.added).append(intake)
+        (self.replaced if intake.is_known or intake.older else self.added).append(_json(intake))
         if intake.told != PLAINLY:
             click.echo(f"{folder}: {intake.told}")
 
@@ -106,7 +109,7 @@ def _add_all(writer: Writer, folders: tuple[Path, ...], rig: str | None, taken: 
 
 
 def _summary(taken: Taken) -> str:
-    rigs = len({intake.rig for intake in taken.added})
+    rigs = len({campaign["rig"] for campaign in taken.added})
     words = [f"{counted(len(taken.added), 'campaign')} of {counted(rigs, 'rig')} added"]
     if taken.replaced:
         words.append(f"{len(taken.replaced)} replaced")
@@ -118,8 +121,8 @@ def _summary(taken: Taken) -> str:
 
 def _document(taken: Taken) -> dict[str, Any]:
     return {
-        "added": [_json(intake) for intake in taken.added],
-        "replaced": [_json(intake) for intake in taken.replaced],
+        "added": taken.added,
+        "replaced": taken.replaced,
         "known": taken.known,
         "refused": refused_json(taken.refused),
     }

@@ -15,6 +15,7 @@ from skiplatch.commands.fleet_options import REFUSED, refused_json, store_option
 from skiplatch.commands.inputs import Source
 from skiplatch.commands.numbers import TIME_S
 from skiplatch.commands.options import (
+    add_json_line,
     jobs_option,
     json_option,
     json_text,
@@ -177,6 +178,9 @@ def command(
 
     Several that are whole at a time are diagnosed side by side, each by one process, and kept in
     the order of their names. A cluster that does not answer ends the watch.
+
+    With --once the JSON is one document. A watch that has no end adds a line of JSON to the file,
+    or to stdout, for each campaign that is kept or refused, as it comes.
     """
     refuse_unusable(store)
     workers = Workers(jobs=jobs, cluster=cluster, limit_s=limit_s)
@@ -185,9 +189,7 @@ def command(
     if once:
         _once(intake, arrivals, json_path)
     else:
-        if json_path is not None:
-            raise click.UsageError("--json needs --once: a watch has no end")
-        watch(intake, arrivals, threading.Event())
+        watch(intake, arrivals, threading.Event(), json_path)
 
 
 def _once(intake: Intake, arrivals: Arrivals, json_path: Path | None) -> None:
@@ -219,7 +221,9 @@ def _once(intake: Intake, arrivals: Arrivals, json_path: Path | None) -> None:
         click.get_current_context().exit(REFUSED)
 
 
-def watch(intake: Intake, arrivals: Arrivals, stop: threading.Event) -> None:
+def watch(
+    intake: Intake, arrivals: Arrivals, stop: threading.Event, json_path: Path | None = None
+) -> None:
     """Take what becomes whole until it is told to stop."""
     arrivals.look()  # refuses a folder that is not there
     with noticed(arrivals.folder) as news:
@@ -231,17 +235,19 @@ def watch(intake: Intake, arrivals: Arrivals, stop: threading.Event) -> None:
                     waiting.append(folder)
                     continue
                 arrivals.dealt_with[folder] = whole[folder]
-                _tell(intake, folder, taken)
+                _tell(intake, folder, taken, json_path)
             news.wait(arrivals.settle_s / 2.0 if waiting else UNNOTICED_S)
 
 
-def _tell(intake: Intake, folder: Path, taken: str | InputError) -> None:
+def _tell(intake: Intake, folder: Path, taken: str | InputError, json_path: Path | None) -> None:
     """Say that a campaign is new, or what is wrong with it."""
     if isinstance(taken, InputError):
         _refuse_whole_store(intake, taken)
         click.echo(as_told(taken), err=True)
+        add_json_line(json_path, {"path": str(folder), "is_kept": False, "said": str(taken)})
     elif taken:
         click.echo(f"{folder}: {taken}")
+        add_json_line(json_path, {"path": str(folder), "is_kept": True, "said": taken})
 
 
 def _refuse_whole_store(intake: Intake, error: InputError) -> None:

@@ -17,7 +17,7 @@ from skiplatch.commands.claims import STDOUT_TAKEN
 from skiplatch.commands.numbers import CountType, number_or_nan
 from skiplatch.commands.outputs import STDOUT, OutputFile
 from skiplatch.errors import hint, quoted
-from skiplatch.files import atomic_write_text
+from skiplatch.files import atomic_write_text, failures_named
 from skiplatch.former_names import present_names
 from skiplatch.simulator.effects import Effect, effects
 
@@ -150,6 +150,16 @@ def write_json(path: Path | None, result: Mapping[str, Any] | Sequence[Any]) -> 
     """Write the result, or do nothing without a path; see `json_text`."""
     if path is not None:
         write_document(path, json_text(result))
+
+
+def add_json_line(path: Path | None, result: Mapping[str, Any]) -> None:
+    """Add a result to a file or to stdout, as one line; it stands there at once, whatever comes."""
+    text = json.dumps(result, allow_nan=False) + "\n"
+    if path == STDOUT:
+        write_document(path, text)
+    elif path is not None:
+        with failures_named(path, "write"), path.open("a", encoding="utf-8") as file:
+            file.write(text)
 
 
 def write_document(path: Path, text: str) -> None:
