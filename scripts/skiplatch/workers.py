@@ -11,11 +11,13 @@ from concurrent.futures import CancelledError, Executor, Future
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import islice
+from pathlib import Path
 from typing import Any, Generic, TypeVar
 
+import click
 from pebble import ProcessExpired
 
-from skiplatch.errors import InputError, one_line
+from skiplatch.errors import InputError, as_told, one_line
 from skiplatch.executors import Cluster, ForeignWorkerError, Processes, client_of, software
 from skiplatch.simulator.library import SimulationError
 
@@ -51,6 +53,26 @@ class Failed:
     """A task that gives no result."""
 
     why: str
+
+
+class Keeper:
+    """Keeps what is done, so that the same command goes on where it was cut; this one nothing."""
+
+    folder: Path | None = None
+
+    def key(self, _task: Callable[..., object], _arguments: Sequence[object]) -> str:
+        """Tell a result from all others."""
+        return ""
+
+    def keep(self, _key: str, _result: object) -> None:
+        """Keep a result, whatever comes."""
+
+    def recall(self, _key: str) -> tuple[Any] | None:
+        """Give a result that was kept; None if it was not."""
+        return None
+
+
+NOT_KEPT = Keeper()
 
 
 @contextmanager
@@ -93,7 +115,8 @@ def in_order(
     executor: Executor,
     task: Callable[..., Result],
     arguments: Sequence[Sequence[object]],
-    name: str,
+    names: Sequence[str],
+    keeper: Keeper = NOT_KEPT,
 ) -> Iterator[Result]:
     """Give what comes of a task for each of several arguments, in their order.
 
@@ -101,20 +124,53 @@ def in_order(
         executor: Where they run.
         task: What is done.
         arguments: For each task.
-        name: What a task is called, before its number.
+        names: What each task is called.
+        keeper: Keeps what is done; what it has is not done again.
 
     Raises:
-        InputError: A task gives no result.
+        InputError: Some give no result, which is told of each; the others are done and kept.
     """
+    keys = [keeper.key(task, one) for one in arguments]
+    missing = [number for number, key in enumerate(keys) if keeper.recall(key) is None]
     waiting: dict[int, Result] = {}
+    failed: dict[int, InputError] = {}
     following = 0
-    for number, result in finished(executor, task, arguments):
+    coming = finished(executor, task, [arguments[number] for number in missing])
+    undone = set(missing)
+    for place, result in coming:
+        number = missing[place]
         if isinstance(result, Failed):
-            raise InputError(f"{name} {number + 1}", None, None, result.why)
+            failed[number] = InputError(names[number], None, None, result.why)
+            waiting.clear()
+            continue
+        keeper.keep(keys[number], result)
+        if failed:  # nothing more is given, so nothing has to wait
+            continue
         waiting[number] = result
-        while following in waiting:
-            yield waiting.pop(following)
+        while following < len(keys) and (following in waiting or following not in undone):
+            yield _next(following, waiting, keeper, keys)
             following += 1
+    if failed:
+        _refuse([failed[number] for number in sorted(failed)], len(keys) - len(failed), keeper)
+    yield from (_next(number, waiting, keeper, keys) for number in range(following, len(keys)))
+
+
+def _next(number: int, waiting: dict[int, Result], keeper: Keeper, keys: Sequence[str]) -> Result:
+    if number in waiting:
+        return waiting.pop(number)
+    kept = keeper.recall(keys[number])
+    if kept is None:
+        raise InputError(keeper.folder or "answers", None, None, "an answer was taken away")
+    result: Result = kept[0]
+    return result
+
+
+def _refuse(failed: Sequence[InputError], done: int, keeper: Keeper) -> None:
+    for error in failed[:-1]:
+        click.echo(as_told(error), err=True)
+    if keeper.folder is not None:
+        click.echo(f"{done} done are kept in {keeper.folder}; the same command goes on", err=True)
+    raise failed[-1]
 
 
 class _Round(Generic[Result]):

@@ -6,11 +6,13 @@ Every type is measured twice: as it is, and with one position in thirty wrong, a
 import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from measured_machines import ALL_KINDS, described, draw, left_mm, name_of, stations_of
 from rotary_machines import Kind, Planted
+from skiplatch.commands.kept import Kept
 from skiplatch.kinematics.evaluate import evaluate
 from skiplatch.kinematics.evaluation import Evaluation
 from skiplatch.kinematics.five_axis import Truth
@@ -106,6 +108,7 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=1000, help="machines of each type")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--cluster", help="local:N, or the address of a Dask scheduler")
+    parser.add_argument("--keep", type=Path, help="folder of what is done; a run goes on from it")
     parser.add_argument("--type", default="", help='only types whose name has this: "head AC"')
     given = parser.parse_args()
     print("| type | outliers | modes 2, 3 leave more | errors within 3u | mode 2 leaves, median |")
@@ -114,7 +117,8 @@ def main() -> None:
         for kind in (kind for kind in ALL_KINDS if given.type in name_of(kind)):
             for outliers in (0.0, OUTLIERS):
                 tasks = [(kind, seed, outliers) for seed in range(given.count)]
-                judged = list(in_order(executor, judge, tasks, "machine"))
+                names = [f"machine {name_of(kind)} of seed {seed}" for _, seed, _ in tasks]
+                judged = list(in_order(executor, judge, tasks, names, Kept(given.keep)))
                 print(row_of(kind, outliers, judged), flush=True)
 
 

@@ -10,10 +10,11 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
+from one_thread import one_thread
 from played_campaigns import few_of
 from skiplatch import cli
 from skiplatch.campaign import NOMINAL_FILE
-from skiplatch.commands import diagnose_many
+from skiplatch.commands import diagnose_many, worker_options
 from skiplatch.commands.diagnose_many import Told
 from skiplatch.commands.examining import Asked
 from skiplatch.commands.kept import Kept, key_of
@@ -62,6 +63,31 @@ def test_a_cluster_gives_the_same_bytes(tmp_path: Path, folders: list[Path]) -> 
     assert run(*LATCH, "--json", here).exit_code == 0
     assert run(*LATCH, "--json", there, "--cluster", "local:2").exit_code == 0
     assert here.read_bytes() == there.read_bytes()
+
+
+def test_touches_that_were_played_are_not_played_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(worker_options, "opened", one_thread)
+    here, there, part = (tmp_path / name for name in ("a.json", "b.json", "b.json.part"))
+    command: list[str | Path] = [*LATCH, "--json", there, "--cluster", "local:1"]
+    assert run(*LATCH, "--json", here).exit_code == 0
+    with monkeypatch.context() as cut:
+        cut.setattr(Kept, "drop", lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
+        assert run(*command).exit_code == 130
+    assert not there.exists()
+    answers = sorted(part.iterdir())
+    assert answers
+    answers[0].unlink()
+    stamps = {path: path.stat().st_mtime_ns for path in answers[1:]}
+    with monkeypatch.context() as cut:
+        cut.setattr(Kept, "drop", lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
+        assert run(*command).exit_code == 130
+    assert {path: path.stat().st_mtime_ns for path in answers[1:]} == stamps
+
+    assert run(*command).exit_code == 0
+    assert there.read_bytes() == here.read_bytes()
+    assert not part.exists()
 
 
 @contextmanager

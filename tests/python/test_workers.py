@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Executor, Future
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ import numpy as np
 import pytest
 
 from skiplatch import executors, workers
+from skiplatch.commands.kept import Kept
 from skiplatch.errors import InputError
 from skiplatch.executors import ForeignWorkerError
 from skiplatch.simulator.library import SimulationError
@@ -218,15 +220,74 @@ def test_no_more_are_under_way_than_a_scheduler_can_hold(monkeypatch: pytest.Mon
 def test_results_come_in_their_order_where_that_is_asked() -> None:
     tasks = [(number,) for number in range(5)]
 
-    assert list(in_order(Scripted({0: [CancelledError()]}), double, tasks, "trial")) == [
+    names = [f"trial of seed {number}" for number in range(5)]
+
+    assert list(in_order(Scripted({0: [CancelledError()]}), double, tasks, names)) == [
         0,
         2,
         4,
         6,
         8,
     ]
-    with pytest.raises(InputError, match="trial 4: its worker died"):
-        list(in_order(Scripted({3: [KilledWorker()] * 3}), double, tasks, "trial"))
+    with pytest.raises(InputError, match="trial of seed 3: its worker died"):
+        list(in_order(Scripted({3: [KilledWorker()] * 3}), double, tasks, names))
+
+
+@dataclass(frozen=True)
+class Came:
+    """A result as commands have them."""
+
+    values: np.ndarray
+    names: tuple[str, ...]
+    gap: float
+
+
+def came(number: int) -> Came:
+    return Came(np.arange(number, dtype=float)[::-1], ("a", str(number)), float("nan"))
+
+
+def test_what_is_done_is_kept_and_what_is_lost_is_named_after_the_others(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    tasks = [(number,) for number in range(6)]
+    names = [f"trial of seed {number}" for number in range(6)]
+    kept = Kept(tmp_path / "kept")
+    dying = Watched({1: [TimeoutError()] * 3, 4: [MemoryError()] * 3})
+
+    with pytest.raises(InputError, match="trial of seed 4: it ran out of memory, 3 times"):
+        list(in_order(dying, came, tasks, names, kept))
+    assert capsys.readouterr().err.splitlines() == [
+        "skiplatch: trial of seed 1: it took too long, 3 times",
+        f"4 done are kept in {tmp_path / 'kept'}; the same command goes on",
+    ]
+
+    (tmp_path / "kept" / kept.key(came, (2,))).write_bytes(b"damaged")
+    healthy = Watched({})
+    found = list(in_order(healthy, came, tasks, names, kept))
+
+    assert sorted(healthy.sent) == [1, 2, 4]
+    assert [one.names for one in found] == [("a", str(number)) for number in range(6)]
+    for number, one in enumerate(found):
+        np.testing.assert_array_equal(one.values, came(number).values)
+    assert len(list((tmp_path / "kept").iterdir())) == 6
+
+
+class Program:
+    """What a folder of answers may hold that somebody else has written."""
+
+    def __init__(self, made: Path) -> None:
+        self.made = made
+
+    def __reduce__(self) -> tuple[Callable[..., object], tuple[object, ...]]:
+        return os.mkdir, (self.made,)
+
+
+def test_an_answer_that_is_a_program_is_not_run(tmp_path: Path) -> None:
+    kept = Kept(tmp_path / "kept")
+    kept.keep("f" * 64, Program(tmp_path / "made"))
+
+    assert kept.recall("f" * 64) is None
+    assert not (tmp_path / "made").exists()
 
 
 def test_a_process_that_dies_costs_only_its_task(two: Executor, tmp_path: Path) -> None:

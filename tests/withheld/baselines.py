@@ -8,7 +8,7 @@ from typing import Protocol
 from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.progress import shown
 from skiplatch.tables import table
-from skiplatch.workers import Workers, in_order, opened
+from skiplatch.workers import NOT_KEPT, Keeper, Workers, in_order, opened
 from tests.withheld.baseline_crps import LowestCrps
 from tests.withheld.baseline_regression import Regression
 from tests.withheld.baseline_trees import Trees
@@ -35,14 +35,18 @@ def all_baselines() -> list[Baseline]:
 
 
 def guess_all(
-    campaigns: Sequence[Path], compared: Sequence[Baseline], workers: Workers
+    campaigns: Sequence[Path],
+    compared: Sequence[Baseline],
+    workers: Workers,
+    keeper: Keeper = NOT_KEPT,
 ) -> list[dict[str, str | None]]:
     """Let the baselines name an effect of each campaign; workers find folders by their names."""
     if not compared:
         return [{} for _ in campaigns]
     tasks = [(baseline, path.resolve()) for path in campaigns for baseline in compared]
     with opened(replace(workers, loads=__name__)) as executor:
-        coming = in_order(executor, guess, tasks, "baseline of a campaign")
+        said = [f"{baseline.title} on {path}" for baseline, path in tasks]
+        coming = in_order(executor, guess, tasks, said, keeper)
         named = list(shown(coming, len(tasks), "baselines"))
     titles = [baseline.title for baseline in compared]
     rows = [named[i : i + len(titles)] for i in range(0, len(named), len(titles))]

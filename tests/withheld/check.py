@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from skiplatch.commands.kept import Kept
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
 from skiplatch.workers import Workers
@@ -27,6 +28,8 @@ from tests.withheld.sealed import LABEL, HeldBack, Label
 
 FEW_TOUCHES = (200, 300)  # of the campaigns that are for false alarms alone
 FORMAT = "skiplatch-gap-check/2"
+GUESSES = "guesses"
+"""Folder of what plainer ways have named."""
 NOT_MEASURED = """\
 Not measured here: parameters (the generator's forms have others than the catalogue), tried with
 PLANTED=54; the recommended experiment (a sealed campaign cannot be gone on with), with TIES=40."""
@@ -88,7 +91,8 @@ def check_kept(
     workers = Workers(jobs=jobs, cluster=cluster)
     answered = diagnose_all(folder, seed, workers, title, answers)
     campaigns = names(folder)
-    guessed = guess_all([folder / "campaigns" / name for name in campaigns], compared, workers)
+    paths, kept = [folder / "campaigns" / name for name in campaigns], Kept(folder / GUESSES)
+    guessed = guess_all(paths, compared, workers, kept)
     each = zip(campaigns, answered, guessed, strict=True)
     return [open_seal(folder, name, seed, answer, guess) for name, answer, guess in each]
 

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from skiplatch.campaign import Campaign
+from skiplatch.commands.kept import Kept
 from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.candidates.surrogates import HALF_WAY, SWITCHES, highest
 from skiplatch.diagnosis.candidates.table import CANDIDATES
@@ -237,9 +238,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--json", type=Path, help="write every campaign as JSON")
     options = parser.parse_args(arguments)
     tasks = [(options.seed, number) for number in range(options.count)]
+    names = [f"planted campaign {number} of seed {seed}" for seed, number in tasks]
     try:
+        kept = Kept.beside(options.json)
         with opened(Workers(jobs=options.jobs, cluster=options.cluster)) as executor:
-            coming = in_order(executor, try_one, tasks, "planted campaign")
+            coming = in_order(executor, try_one, tasks, names, kept)
             tried = list(shown(coming, len(tasks), "planted"))
     except InputError as error:
         raise SystemExit(f"gap-check: {error}") from error
@@ -247,6 +250,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if options.json:
         document = json.dumps([one.as_json() for one in tried], indent=1)
         atomic_write_text(options.json, document + "\n")
+    kept.drop()
 
 
 if __name__ == "__main__":

@@ -101,8 +101,9 @@ def diagnose_all(
     """
     there = folder.resolve()
     tasks = [(there / "campaigns" / name, seed, there / answers / name) for name in names(folder)]
+    said = [f"{campaign}" for campaign, _, _ in tasks]
     with opened(replace(workers, loads=__name__)) as executor:
-        return list(shown(in_order(executor, diagnose, tasks, "campaign"), len(tasks), title))
+        return list(shown(in_order(executor, diagnose, tasks, said), len(tasks), title))
 
 
 def names(folder: Path) -> Sequence[str]:

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from skiplatch.campaign import format_nominal, format_touches, read_conditions
+from skiplatch.commands.kept import Kept
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_folder, atomic_write_text
 from skiplatch.progress import shown
@@ -209,9 +210,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--json", type=Path, help="write every tie as JSON")
     options = parser.parse_args(arguments)
     tasks = [(options.seed, number) for number in range(options.count)]
+    names = [f"campaign for ties {number} of seed {seed}" for seed, number in tasks]
     try:
+        kept = Kept.beside(options.json)
         with opened(Workers(jobs=options.jobs, cluster=options.cluster)) as executor:
-            coming = in_order(executor, try_one, tasks, "campaign for ties")
+            coming = in_order(executor, try_one, tasks, names, kept)
             tried = list(shown(coming, len(tasks), "ties"))
     except InputError as error:
         raise SystemExit(f"gap-check: {error}") from error
@@ -220,6 +223,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if options.json:
         document = json.dumps([tie.as_json() for tie in ties], indent=1)
         atomic_write_text(options.json, document + "\n")
+    kept.drop()
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from skiplatch.campaign import InputPath, Nominal
+from skiplatch.commands.kept import Kept
 from skiplatch.commands.numbers import CountType, NumberType
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFolder
@@ -79,13 +80,14 @@ def command(
     bench without a probe. Bias, which calibrates out, and spread, which does not, stand apart.
     The interval of an extreme reaches from what was seen to the limit that the rig sets.
     """
-    effort = Effort(touches, seed, jobs)
+    effort, kept = Effort(touches, seed, jobs), Kept.beside(json_path)
     with cluster_if_named(cluster, limit_s) as executor:
-        results = {path: examine(rig, path, feed_mm_min, effort, executor) for path in paths}
+        results = {path: examine(rig, path, feed_mm_min, effort, executor, kept) for path in paths}
     click.echo(prose(as_text(rig, feed_mm_min, results)))
     conditions = {"touches": touches, "feed_mm_min": feed_mm_min, "seed": seed}
     document = {"format": "skiplatch-latch/1", **conditions, "rig": rig_json(rig)}
     write_json(json_path, {**document, "paths": as_json(results)})
+    kept.drop()
     if pictures is not None:
         # Drawing takes time to load, which only those pay who want a picture.
         from skiplatch.figures.latch_errors import draw_latch_errors  # noqa: PLC0415

@@ -8,6 +8,7 @@ from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath
 from skiplatch.commands.claims import claim_output
 from skiplatch.commands.inputs import FILE
+from skiplatch.commands.kept import Kept
 from skiplatch.commands.numbers import CountType
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFolder
@@ -105,14 +106,15 @@ def command(
             claim_output(folder / part)
     rig = RIGS[name]
     table = None if table_path is None else campaigns.read_feeds(table_path, rig.directions)
-    seeds = range(seed, seed + trials)
+    seeds, kept = range(seed, seed + trials), Kept.beside(json_path)
     with cluster_if_named(cluster, limit_s) as executor:
         threads = 1 if executor else jobs
         tasks = [(name, PATHS[path], iterations, table, threads, trial) for trial in seeds]
         if executor is None:
             results = [_trial(*task) for task in tasks]
         else:
-            results = list(in_order(executor, _trial, tasks, "trial"))
+            names = [f"trial of seed {trial}" for trial in seeds]
+            results = list(in_order(executor, _trial, tasks, names, kept))
     figures = paper.figures(results)
     click.echo(paper.as_text(results, figures))
     write_json(
@@ -126,6 +128,7 @@ def command(
             **paper.as_json(results, figures),
         },
     )
+    kept.drop()
     if folder is not None:
         campaigns.record(folder, results[0])
         click.echo(f"\nwrote {folder}: campaigns before and after, their radii, and speeds.csv")

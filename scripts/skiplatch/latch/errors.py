@@ -13,7 +13,7 @@ from skiplatch.latch.probing import CHUNK_TOUCHES, Probing, all_latched, chunks
 from skiplatch.latch.reaction import reaction_of
 from skiplatch.progress import shown
 from skiplatch.simulator.playing import Outcomes
-from skiplatch.workers import in_order
+from skiplatch.workers import NOT_KEPT, Keeper, in_order
 
 FINE_BINS = 32_768
 NANOSECOND_US = 1e-3  # to which the simulation rounds times
@@ -34,13 +34,19 @@ class LatchErrors:
     """v·T/√12, at the feed v."""
 
 
-def latch_errors(probing: Probing, effort: Effort, executor: Executor | None = None) -> LatchErrors:
+def latch_errors(
+    probing: Probing,
+    effort: Effort,
+    executor: Executor | None = None,
+    keeper: Keeper = NOT_KEPT,
+) -> LatchErrors:
     """Play so many touches and collect how far off they latch.
 
     Args:
         probing: How is probed.
         effort: How many touches.
         executor: Workers that play the chunks; else they are played here. The result is the same.
+        keeper: Keeps the chunks that workers have played.
     """
     latency = Distribution(_latency_bins(probing))
     position = Distribution(_position_bins(probing))
@@ -56,7 +62,9 @@ def latch_errors(probing: Probing, effort: Effort, executor: Executor | None = N
         alone = replace(effort, jobs=1)
         firsts = range(CHUNK_TOUCHES, effort.touches, CHUNK_TOUCHES)
         tasks = [(probing, alone, first, latency.scale, position.scale) for first in firsts]
-        for chunk in shown(in_order(executor, _played, tasks, "chunk"), len(tasks), title):
+        names = [f"{title} {first + 1} and after" for first in firsts]
+        coming = in_order(executor, _played, tasks, names, keeper)
+        for chunk in shown(coming, len(tasks), title):
             latency.join(chunk[0])
             position.join(chunk[1])
     formula_us = reaction_of(probing.nominal, probing.path).width_us / math.sqrt(12.0)
