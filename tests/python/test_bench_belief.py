@@ -140,6 +140,17 @@ def test_too_few_touches_are_refused_and_nothing_is_written(tmp_path: Path) -> N
     assert not (tmp_path / "believed.toml").exists()
 
 
+def test_figures_that_no_simulation_can_play_are_refused(tmp_path: Path) -> None:
+    recorded = campaign()
+    recorded.touches.latch_us[:] = 9e14
+    write_campaign(tmp_path / "quiet", recorded.nominal, recorded.touches)
+    result = run(tmp_path / "quiet", "--out", tmp_path / "believed.toml")
+
+    assert isinstance(result.exception, InputError)
+    assert "touches.csv: skip.latency_us: expected" in str(result.exception)
+    assert not (tmp_path / "believed.toml").exists()
+
+
 def test_campaign_of_a_machine_is_refused() -> None:
     recorded = campaign()
     machine = replace(recorded, nominal=replace(recorded.nominal, kind=Kind.MACHINE))

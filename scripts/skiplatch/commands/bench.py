@@ -17,6 +17,7 @@ from skiplatch.bench.run import Player, Recording, Rig, summary
 from skiplatch.bench.seal import read_key
 from skiplatch.bench.station import Station
 from skiplatch.campaign import format_nominal, read_campaign, write_campaign
+from skiplatch.campaign.folder import TOUCHES_FILE
 from skiplatch.commands.bench_options import (
     bench_rig_options,
     can_backend_option,
@@ -29,6 +30,7 @@ from skiplatch.commands.options import json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFile, OutputFolder
 from skiplatch.errors import InputError, one_line
 from skiplatch.files import atomic_write_text
+from skiplatch.stand_ins import refuse_unplayable
 from skiplatch.statistics import Interval
 from skiplatch.undo import INTERRUPTED, keep_outputs
 
@@ -220,11 +222,13 @@ def believe(campaign_path: Path, out: Path, seed: int, json_path: Path | None) -
     """
     campaign = read_campaign(campaign_path)
     belief = believe_campaign(campaign, seed)
+    believed = belief.in_place_of(campaign.nominal)
+    refuse_unplayable(campaign_path / TOUCHES_FILE, believed)
     head = (
         f"# Of the bench itself: from {belief.skip_touches} touches on the skip path and "
         f"{belief.reports} reports\n# of {one_line(campaign_path.name)}, 5 % to 95 % quantiles.\n"
     )
-    atomic_write_text(out, head + format_nominal(belief.in_place_of(campaign.nominal)))
+    atomic_write_text(out, head + format_nominal(believed))
     for name, interval in _figures(belief):
         click.echo(
             f"{name:24} {interval.value:8.1f} µs   {interval.low:.1f} … {interval.high:.1f} µs"
