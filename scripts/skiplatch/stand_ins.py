@@ -62,6 +62,8 @@ OF_A_READING = {("probe", "repeatability_um"), ("axis", "resolution_um")}
 STAMPS = ("edge_us", "latch_us", "report_us")
 PLAYED_TOUCHES = {"time_s": (0.0, 8.64e6), "feed_mm_min": (1e-3, 1e6), "approach_mm": (1e-6, 1e4)}
 """And of a touch: is_touch() there."""
+STAMPED_US = (-8.64e12, 8.64e12)
+"""What a stamp may be beside such times: on a clock 100 days away, nothing is told by it."""
 
 
 def refuse_unplayable(path: Path, nominal: Nominal, besides: Sequence[Effect] = ()) -> None:
@@ -91,7 +93,7 @@ def refuse_unplayable_touches(path: Path, touches: Touches) -> None:
     Of each column the first one is told.
     """
     errors: list[InputError] = []
-    for name, (least, most) in PLAYED_TOUCHES.items():
+    for name, (least, most) in {**PLAYED_TOUCHES, **dict.fromkeys(STAMPS, STAMPED_US)}.items():
         values = getattr(touches, name)
         beyond = np.flatnonzero((values < least) | (values > most))
         if len(beyond):

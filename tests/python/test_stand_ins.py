@@ -16,7 +16,7 @@ from skiplatch.diagnosis.fit.belief_fit import fit_beliefs
 from skiplatch.diagnosis.fit.beliefs import believing, uncertain
 from skiplatch.diagnosis.scene.covariates import recorded_only, sequence
 from skiplatch.diagnosis.scene.scene import Scene
-from skiplatch.errors import CampaignWarning
+from skiplatch.errors import CampaignWarning, InputError
 from skiplatch.motion import expected_contact
 from skiplatch.report.conditions import conditions
 from skiplatch.simulator.effects import Effect
@@ -310,6 +310,18 @@ def test_what_is_refused_of_a_touch_is_what_the_simulator_refuses(
         assert told.startswith(f"x: {name} of touch {touches.touch[7]}: expected ")
         with pytest.raises(SimulationError, match="a condition of a touch"):
             play(campaign.nominal, Controller(overtravel_mm=2.0), touches, seed=1)
+
+
+@pytest.mark.parametrize("name", ["edge_us", "latch_us", "report_us"])
+def test_a_stamp_of_another_century_is_refused(bench_sample: Path, name: str) -> None:
+    """A search for what may have made latches 28 years late did not end."""
+    campaign = read_campaign(bench_sample)
+    stamps = getattr(campaign.touches, name).copy()
+    stamps[3] = 9e14
+    late = replace(campaign, touches=replace(campaign.touches, **{name: stamps}))
+
+    with pytest.raises(InputError, match=rf"{name} of touch 4: .*9e\+14"):
+        playable(late)
 
 
 def test_one_effect_more_than_the_simulator_has_room_for_is_refused(bench_sample: Path) -> None:

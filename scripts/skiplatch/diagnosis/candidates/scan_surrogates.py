@@ -13,6 +13,7 @@ from skiplatch.diagnosis.candidates.surrogates import (
 from skiplatch.diagnosis.density.change import MOST_GAPS, Change, Gaps, Wait
 from skiplatch.diagnosis.density.law import Extra
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.simulator.effects import parameter_of
 
 MOST_SCANS_OLD = 7.0
 MOST_PUNCTUAL = 0.95
@@ -41,7 +42,7 @@ def overrun(scene: Scene, p: Parameters) -> Change:
 
     Where scans are left out until then, it is on the grid as any other.
     """
-    share, late, span = as_part(p[0]), abs(p[1]), abs(p[2])
+    share, late, span = as_part(p[0]), _admitted("overrun_us", p[1]), _admitted("span_us", p[2])
     period = scene.nominal.plc.scan_us
     if p[3] > HALF_WAY:
         ratios, weights = _whole_gaps(late / period, span / period)
@@ -67,6 +68,11 @@ def overrun(scene: Scene, p: Parameters) -> Change:
             (alone * max(0.0, 1.0 - ratio), 1.0 - ratio),
         ),
     )
+
+
+def _admitted(name: str, value: float) -> float:
+    """Keep a lateness of scans within its range, for its scans are counted one by one."""
+    return min(abs(value), parameter_of("scan_overrun", name).high)
 
 
 def _whole_gaps(late: float, span: float) -> tuple[FloatArray, FloatArray]:
