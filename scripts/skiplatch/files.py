@@ -5,7 +5,10 @@ import json
 import os
 import shutil
 import stat
+import struct
 import time
+import zipfile
+import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,6 +18,11 @@ from skiplatch.errors import InputError, quoted
 from skiplatch.undo import make_folders, replace, temporary_sibling
 
 MOST_JSON_BYTES = 64 << 20
+DAMAGE = (
+    *(zipfile.BadZipFile, zlib.error, struct.error, EOFError, ValueError, OverflowError),
+    *(NotImplementedError, RuntimeError),  # a method or an encryption that nobody chose
+)
+"""What reading an archive ends in that has lost bits."""
 NO_READER_S = 0.05
 """After which a pipe is asked again whether it has a reader."""
 

@@ -10,7 +10,7 @@ from itertools import islice
 from pathlib import Path
 
 from skiplatch.errors import CampaignWarning, InputError
-from skiplatch.files import refuse_special_or_large
+from skiplatch.files import DAMAGE, refuse_special_or_large
 from skiplatch.importing.candump import is_logged, is_shown
 from skiplatch.importing.dialects import READ, advice
 from skiplatch.importing.log_lines import MAX_BYTES, read_text
@@ -113,7 +113,7 @@ def is_scope(text: str) -> bool:
 
 
 def _is_session(path: Path) -> bool:
-    with suppress(zipfile.BadZipFile), zipfile.ZipFile(path) as archive:
+    with suppress(*DAMAGE), zipfile.ZipFile(path) as archive:
         return all(name in archive.namelist() for name in _SESSION)
     return False
 
