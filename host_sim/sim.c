@@ -143,8 +143,8 @@ static sim_ns_t closing_time(sim_t *sim)
     return sim_ns_from_us(sim_change(sim, SIM_LINK, sim_us_from_ns(sent)));
 }
 
-/* Pretravel of a new approach; effects may take it below 0 no more than the probe does. */
-/* From where the surface is believed to be. */
+/* Pretravel of a new approach, from where the surface is believed to be; effects may take it below
+ * 0 no more than the probe does. */
 static double draw_pretravel_um(sim_t *sim)
 {
     double pretravel_um = sim_probe_pretravel_um(sim->chain, sim->touch, &sim->rest, &sim->random);

@@ -2,6 +2,11 @@
 
 #include <stddef.h>
 
+/* Of an error of the position. */
+#define MOVES_SURFACE                                                                              \
+    {SIM_MOVES_SURFACE, "1", "0: what is read is off; 1: the surface moves, and is met then", 0.0, \
+     1.0}
+
 /* In the order of the chain: where several change one quantity, they do it in this order. */
 /* clang-format off */
 static const sim_effect_t EFFECTS[] = {
@@ -112,7 +117,7 @@ static const sim_effect_t EFFECTS[] = {
        {"positive_um", "µm", "what the positive sense reads high", -200.0, 200.0},
        {"y_excess_ratio", "1", "what Y has more than X, as a share", -1000.0, 1000.0},
        {"z_excess_ratio", "1", "what Z has more than X, as a share", -1000.0, 1000.0},
-       {"moves_surface", "1", "0: what is read is off; 1: the surface moves, and is met then", 0.0, 1.0}}},
+       MOVES_SURFACE}},
      SIM_POSITION, effect_backlash},
     {{"transmission_error", "position", "both", "the error is periodic in the axis position",
       {{"amplitude_um", "µm", "of the first order", 0.0, 200.0},
@@ -128,13 +133,13 @@ static const sim_effect_t EFFECTS[] = {
        {"z_ahead_deg", "deg", "by which Z's screw is turned further than X's", 0.0, 360.0},
        {"at_surface", "1", "0: where the axis is latched; 1: where the surface should be", 0.0,
         1.0},
-       {"moves_surface", "1", "0: what is read is off; 1: the surface moves, and is met then", 0.0, 1.0}}},
+       MOVES_SURFACE}},
      SIM_POSITION, effect_transmission_error},
     {{"scale_error", "position", "both", "the error is proportional to the axis position",
       {{"scale_ppm", "ppm", "long is positive", -5000.0, 5000.0},
        {"y_excess_ratio", "1", "what Y has more than X, as a share", -1000.0, 1000.0},
        {"z_excess_ratio", "1", "what Z has more than X, as a share", -1000.0, 1000.0},
-       {"moves_surface", "1", "0: what is read is off; 1: the surface moves, and is met then", 0.0, 1.0}}},
+       MOVES_SURFACE}},
      SIM_POSITION, effect_scale_error},
     {{"encoder_quantisation", "position", "both", "the position is coarser than believed",
       {{"resolution_um", "µm", "real resolution, in place of the believed one", 0.001, 1000.0},
@@ -152,14 +157,14 @@ static const sim_effect_t EFFECTS[] = {
        {"z_excess_ratio", "1", "what Z has more than X, as a share", -1000.0, 1000.0},
        {"along_approach", "1", "0: the axis coordinate drifts; 1: the way to the surface, as of a probe",
         0.0, 1.0},
-       {"moves_surface", "1", "0: what is read is off; 1: the surface moves, and is met then", 0.0, 1.0}}},
+       MOVES_SURFACE}},
      SIM_POSITION, effect_thermal_drift},
     {{"rotary_pivot", "position", "both", "the centre of the rotary axis is not where it is believed",
       {{"x_um", "µm", "offset of the centre in X", -1000.0, 1000.0},
        {"y_um", "µm", "offset of the centre in Y", -1000.0, 1000.0},
        {"set_on_believed_centre", "1", "0: workpiece set at 0° of the table; 1: on the believed centre", 0.0, 1.0},
        {"mirrored", "1", "1: the table counts the other way round", 0.0, 1.0},
-       {"moves_surface", "1", "0: what is read is off; 1: the surface moves, and is met then", 0.0, 1.0}}},
+       MOVES_SURFACE}},
      SIM_POSITION, effect_rotary_pivot},
     {{"report_delay", "report", "both", "reports arrive later than believed",
       {{"delay_us", "µs", "additional way", -10000.0, 100000.0},

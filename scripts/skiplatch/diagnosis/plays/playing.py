@@ -196,6 +196,8 @@ class Rig:
             if scans is not None:
                 bound = partial(self._bound(scans, in_phase=in_phase), alone)
             plays.append(bound(touches, replicates))
+        if len(plays) == 1:
+            return plays[0]
         return spliced(plays, np.argmax([rows for _, rows in steady], axis=0))
 
     def _bound(self, scans: Scans, *, in_phase: bool) -> Callable[[Player, Touches, int], Outcomes]:
