@@ -161,7 +161,8 @@ def from_next_best(
     """Give the best pairs of other first effects, if they beat the best effect; else none."""
     near = [s for s in without_twins(ranked[1:]) if s.score > NEXT_BEST * best.score]
     near = [s for s in near if s.ids[0] != best.ids[0]]
-    near.sort(key=judge.is_scatter)  # scatter hides best what is none
+    # Scatter hides best what is none, and so does a form that is as far off as can be.
+    near.sort(key=lambda single: (single.fit.is_loose, judge.is_scatter(single)))
     for first in near[: BEAM - 1]:
         pairs = _pairs(judge, first, noticed(first))
         if not pairs or pairs[0].score <= best.score + TIED:
