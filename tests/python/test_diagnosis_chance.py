@@ -180,6 +180,22 @@ def test_a_clock_that_wanders_is_off_by_more_than_its_stamps_lie_off_the_grid() 
     assert told(wandering, *rig, discrepancy=300.0 / float(np.sqrt(np.mean(shifts_us**2)))) == []
 
 
+@pytest.mark.parametrize("times", [8.0, 11.0])
+def test_where_in_a_longer_scan_an_edge_falls_goes_with_the_time_as_in_any(times: float) -> None:
+    period_us = (times - 1.0) * read_campaign(BENCH).nominal.plc.scan_us
+    longer = Effect("scan_period", {"period_us": period_us})
+    campaign = played(BENCH, longer)
+    # Of so short a time waves of that length are looked at.
+    short = campaign.touches.in_order_of_time().select(np.arange(150))
+    campaign = replace(campaign, touches=short)
+    rigs = (Rig(campaign.nominal, effects) for effects in ([longer], []))
+    bound = (rig.whose_scans_are(campaign.touches, seed=1) for rig in rigs)
+
+    found, believed = (Beside.of(Scene.of(campaign), rig, seed=1) for rig in bound)
+
+    assert [one for one in chance_of(found, believed, 0.0) if one.z > CHANCE] == []
+
+
 def test_stamps_that_a_drift_leads_through_their_ticks_are_not_left_to_chance() -> None:
     """Where in a tick a scan begins goes with time, in waves of what the clock drifts by a tick."""
     drift = Effect("timer_drift", {"drift_ppm": -9.85})

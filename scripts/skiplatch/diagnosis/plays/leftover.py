@@ -107,7 +107,8 @@ class Beside:
         recorded = {k: np.where(scene.false, np.nan, values) for k, values in recorded.items()}
         if not has_like_grid(rig, sequence.touches):
             recorded = {**recorded, "grid": np.full(len(scene), np.nan)}
-        return cls(Setting(scene, seed), outcomes, recorded, played, rig.resolution_um, rig.spans)
+        setting = Setting(scene, seed, rig.longest_scan_us)
+        return cls(setting, outcomes, recorded, played, rig.resolution_um, rig.spans)
 
     @property
     def paths(self) -> Mapping[str, BoolArray]:

@@ -116,6 +116,12 @@ class Rig:
         return self.nominal.plc.scan_us + sum(e.parameters["period_us"] for e in lasting)
 
     @property
+    def longest_scan_us(self) -> float:
+        """The same where it is longest, by what begins or ends."""
+        passing = [e for e in self.effects if e.id == SCAN_PERIOD and e.span != ALWAYS]
+        return self.scan_us + sum(max(e.parameters["period_us"], 0.0) for e in passing)
+
+    @property
     def tick_us(self) -> float:
         """What its clock rounds stamps to, believed or found."""
         coarse = (e.parameters["tick_us"] for e in self.effects if e.id == TICK)

@@ -55,10 +55,21 @@ class Place:
 
 @dataclass(frozen=True, eq=False)
 class Setting:
-    """What is known of all touches of a scene, whatever they are held against."""
+    """What is known of all touches of a scene, whatever they are held against.
+
+    Attributes:
+        scene: The touches.
+        seed: Of what is drawn to look at them.
+        longest_scan_us: From one scan to the next where they are played, if not as believed.
+    """
 
     scene: Scene
     seed: int
+    longest_scan_us: float | None = None
+
+    @property
+    def _scan_us(self) -> float:
+        return self.longest_scan_us or self.scene.nominal.plc.scan_us
 
     @cached_property
     def order(self) -> Order:
@@ -101,9 +112,8 @@ class Setting:
         if "time" not in self.known:
             return found
         due_s = self.scene.begin_us / US_PER_S
-        shortest_s = (
-            2.0 * self.scene.nominal.plc.scan_us / US_PER_S if self.scene.plc.any() else 0.0
-        )
+        # Where in the scan an edge falls goes with the time by the very period of the scans.
+        shortest_s = 2.0 * self._scan_us / US_PER_S if self.scene.plc.any() else 0.0
         return [Place("time", "s", due_s, np.ones(len(due_s)), shortest_s), *found]
 
     def repeats_to(self, observable: str) -> float:
@@ -118,7 +128,7 @@ class Setting:
         scene = self.scene
         if path != "plc" or observable not in ("latch", "position"):
             return False
-        wait = np.full(len(scene), scene.nominal.plc.scan_us / np.sqrt(12.0))
+        wait = np.full(len(scene), self._scan_us / np.sqrt(12.0))
         if observable == "position":
             wait = np.where(scene.has_stamps, 0.0, wait * scene.speed)
         return float(np.median(wait[rows] / noise)) > MOSTLY_WAIT
