@@ -65,6 +65,8 @@ typedef struct {
 enum { SIM_PATH_SKIP = 0, SIM_PATH_PLC = 1 };
 enum { SIM_AXIS_X = 0, SIM_AXIS_Y = 1, SIM_AXIS_Z = 2 };
 
+enum { SIM_FURTHER_THERMOMETERS = 4 };
+
 /* The conditions of one touch: a row of a campaign. */
 typedef struct {
     double   time_s;      /* start of the measuring move */
@@ -78,6 +80,7 @@ typedef struct {
     double   rotary_deg;
     double   datum_um; /* how far past the nominal surface the axis shows the real one */
     double   temp_c;
+    double   further_temp_c[SIM_FURTHER_THERMOMETERS]; /* of thermometers at other places */
     uint64_t touch; /* serial number; with seed and replicate it picks the random numbers */
     int32_t  path;  /* SIM_PATH_* */
     int32_t  axis;  /* that mostly moves: SIM_AXIS_* */

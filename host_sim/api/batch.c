@@ -93,6 +93,16 @@ static bool is_controller(const sim_controller_t *controller)
            is_within(controller->image_delay_scans, 0.0, PLC_IMAGE_DELAY_MAX);
 }
 
+static bool are_finite(const double *values, size_t count)
+{
+    for (size_t i = 0u; i < count; ++i) {
+        if (!isfinite(values[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
 static bool is_touch(const sim_touch_t *touch)
 {
     return is_within(touch->time_s, 0.0, (double)SIM_NS_MAX / SIM_NS_PER_S) &&
@@ -100,6 +110,7 @@ static bool is_touch(const sim_touch_t *touch)
            is_within(touch->approach_mm, 1.0e-6, LENGTH_MAX_MM) && isfinite(touch->alpha_deg) &&
            isfinite(touch->beta_deg) && isfinite(touch->sign) && isfinite(touch->position_mm) &&
            isfinite(touch->rotary_deg) && isfinite(touch->datum_um) && isfinite(touch->temp_c) &&
+           are_finite(touch->further_temp_c, SIM_FURTHER_THERMOMETERS) &&
            is_duration(touch->pulse_us) &&
            (touch->path == SIM_PATH_SKIP || touch->path == SIM_PATH_PLC);
 }

@@ -90,6 +90,11 @@ double effect_encoder_quantisation(const sim_effect_call_t *call, double positio
     return position_um + rint(where_um / step_um) * step_um - where_um;
 }
 
+static double followed_c(const sim_touch_t *touch, double thermometer)
+{
+    return thermometer < 0.5 ? touch->temp_c : touch->further_temp_c[lround(thermometer) - 1];
+}
+
 /* State: whether there is a history, its time in s, and the lagged temperature. */
 double effect_thermal_drift(const sim_effect_call_t *call, double position_um)
 {
@@ -98,14 +103,14 @@ double effect_thermal_drift(const sim_effect_call_t *call, double position_um)
     double *lagged_c = &call->state[2];
     double  now_s = call->touch->time_s;
     double  lag_s = call->parameters[2];
+    double  now_c = followed_c(call->touch, call->parameters[8]);
 
     if (lag_s <= 0.0) {
-        *lagged_c = call->touch->temp_c;
+        *lagged_c = now_c;
     } else if (*has_history < 1.0) {
-        *lagged_c =
-            CALIBRATION_C + (1.0 - call->parameters[3]) * (call->touch->temp_c - CALIBRATION_C);
+        *lagged_c = CALIBRATION_C + (1.0 - call->parameters[3]) * (now_c - CALIBRATION_C);
     } else {
-        *lagged_c += (call->touch->temp_c - *lagged_c) * -expm1(-(now_s - *last_s) / lag_s);
+        *lagged_c += (now_c - *lagged_c) * -expm1(-(now_s - *last_s) / lag_s);
     }
     *has_history = 1.0;
     *last_s = now_s;

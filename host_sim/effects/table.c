@@ -11,7 +11,7 @@
 /* clang-format off */
 static const sim_effect_t EFFECTS[] = {
     {{"feed_error", "motion", "both", "the real feed is not the programmed one",
-      {{"feed_percent", "%", "real minus programmed feed", -50.0, 50.0},
+      {{"feed_percent", "%", "real minus programmed feed, as by an override", -90.0, 100.0},
        {"offset_mm_min", "mm/min", "the same at every feed, on top", -1000.0, 1000.0},
        {"limit_mm_min", "mm/min", "that no feed exceeds; 0: none", 0.0, 100000.0}}},
      SIM_FEED, effect_feed_error},
@@ -157,7 +157,9 @@ static const sim_effect_t EFFECTS[] = {
        {"z_excess_ratio", "1", "what Z has more than X, as a share", -1000.0, 1000.0},
        {"along_approach", "1", "0: the axis coordinate drifts; 1: the way to the surface, as of a probe",
         0.0, 1.0},
-       MOVES_SURFACE}},
+       MOVES_SURFACE,
+       {"thermometer", "1", "that it follows; 0: temp_c; from 1 on: the columns temp_NAME_c in their order",
+        0.0, SIM_FURTHER_THERMOMETERS}}},
      SIM_POSITION, effect_thermal_drift},
     {{"rotary_pivot", "position", "both", "the centre of the rotary axis is not where it is believed",
       {{"x_um", "µm", "offset of the centre in X", -1000.0, 1000.0},

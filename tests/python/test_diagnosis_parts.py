@@ -322,7 +322,7 @@ def test_what_hardly_moves_all_the_while_does_not_follow_the_temperature() -> No
     takes_s = float(np.ptp(scene.touches.time_s))
 
     def largest_um(lag_s: float) -> float:
-        parameters = np.array([50.0, 0.0, lag_s, *[0.0] * 5])
+        parameters = np.array([50.0, 0.0, lag_s, *[0.0] * 6])
         change = CANDIDATES["thermal_drift"].change(scene, parameters)
         return float(np.max(np.abs(change.position_um)))
 

@@ -34,7 +34,7 @@ CASES = {
     "following_error": [200.0, 0.0, 0.0, 20.0],
     "backlash": [3.0, 0.0, 0.0, 0.0, 0.0],
     "scale_error": [50.0, 0.0, 0.0, 0.0],
-    "thermal_drift": [2.0, 0.0, 500.0, *[0.0] * 5],
+    "thermal_drift": [2.0, 0.0, 500.0, *[0.0] * 6],
     "report_delay": [50.0, 20.0, 0.0, 10.0],
 }
 MACHINE_ONLY = {"pretravel_lobing", "trigger_delay"}
@@ -131,7 +131,7 @@ def test_plays_that_hardly_differ_are_a_small_shift_without_a_warning() -> None:
 
 def test_what_came_before_is_played_though_only_some_touches_are_looked_at() -> None:
     scene = Scene.of(played(BENCH))
-    values = np.array([2.0, 0.0, 500.0, *[0.0] * 5])  # a drift with a lag
+    values = np.array([2.0, 0.0, 500.0, *[0.0] * 6])  # a drift with a lag
     whole = simulated("thermal_drift").change(scene, values)
 
     late = scene.select(np.arange(len(scene)) >= 300).select(np.arange(100) % 2 == 0)

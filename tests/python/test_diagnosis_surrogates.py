@@ -11,6 +11,7 @@ from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machi
 from skiplatch.diagnosis.candidates.simulated import catalogue
 from skiplatch.diagnosis.candidates.surrogates import HALF_WAY
 from skiplatch.diagnosis.density.change import NOTHING, Change
+from skiplatch.diagnosis.fit.as_effects import as_effects
 from skiplatch.diagnosis.fit.fit import Fit, fit, starts_of
 from skiplatch.diagnosis.fit.intervals import estimates
 from skiplatch.diagnosis.likelihood.laws import law_under
@@ -118,6 +119,28 @@ def test_a_surface_that_moves_is_found_where_it_shows_when_it_is_met(truth: Effe
             assert sizes[name] == pytest.approx(value, rel=0.1)
     left = likelihood(scene, standing(scene, truth).change(scene)).total
     assert likelihood(scene, found.change(scene)).total > left - 2.0
+
+
+def test_a_drift_is_found_with_the_thermometer_that_it_follows() -> None:
+    machine = stamped_machine()
+    count = len(machine.touches)
+    spindle_c = 20.0 + 6.0 * np.sin(np.linspace(0.0, 9.0, count))
+    places = {"bed": machine.touches.temp_c, "spindle": spindle_c}
+    touches = replace(machine.touches, thermometers=places)
+    truth = whole("thermal_drift", drift_um_k=1.5, thermometer=2.0)
+    scene = Scene.of(played_again(replace(machine, touches=touches), truth))
+    candidate = catalogue()["thermal_drift"]
+
+    begun = starts_of(scene, candidate, NOTHING)
+    found = fit(scene, [candidate], begun)
+
+    sizes = dict(zip(candidate.names, found.parameters[0].tolist(), strict=True))
+    assert round(sizes["thermometer"]) == 2
+    assert sizes["drift_um_k"] == pytest.approx(1.5, rel=0.05)
+    # The bed's is that of temp_c, and told by it.
+    assert {start[-1] for start in begun} == {0.0, 2.0}
+    (told,) = estimates(scene, found, as_effects(found))
+    assert told.intervals["thermometer"] == (2.0, 2.0)
 
 
 @pytest.mark.parametrize("percent", [-30.0, 40.0])

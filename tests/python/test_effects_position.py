@@ -221,6 +221,21 @@ def test_thermal_drift_follows_the_temperature_with_its_lag(lag_s: float) -> Non
     assert_close(played.deviation_shift_um, expected_um, POSITION_TOLERANCE_UM)
 
 
+@pytest.mark.parametrize("number", [1, 4])
+def test_thermal_drift_follows_whichever_thermometer_it_is_told(number: int) -> None:
+    touches = mixed_touches(200, seed=4)
+    rng = np.random.default_rng(7)
+    places = {f"at_{i}": rng.uniform(15.0, 35.0, len(touches)) for i in range(1, 6)}
+    warmed = replace(touches, thermometers=places)
+    drift = Effect("thermal_drift", {"drift_um_k": 2.0, "thermometer": float(number)})
+
+    shift_um = run(warmed, drift).deviation_um[0] - run(warmed).deviation_um[0]
+
+    expected_um = touches.sign * 2.0 * (places[f"at_{number}"] - 20.0)
+    assert_close(shift_um, expected_um, POSITION_TOLERANCE_UM)
+    assert not (run(touches, drift).deviation_um[0] - run(touches).deviation_um[0]).any()
+
+
 def test_a_scale_that_grows_is_off_by_how_far_the_axis_is_from_its_zero() -> None:
     played = trace(SKIP, "thermal_drift", expansion_ppm_k=11.5)
     touches = played.touches

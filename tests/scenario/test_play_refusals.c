@@ -187,6 +187,9 @@ void test_a_touch_in_no_direction_or_on_no_path_is_refused(void)
     touch.beta_deg = (double)INFINITY;
     TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_TOUCH, attempt(1u));
     setUp();
+    touch.further_temp_c[SIM_FURTHER_THERMOMETERS - 1] = (double)NAN;
+    TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_TOUCH, attempt(1u));
+    setUp();
     touch.path = 2;
     TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_TOUCH, attempt(1u));
     setUp();

@@ -77,13 +77,8 @@ def connection() -> tuple[CData, CData]:
     return ffi, ffi.dlopen(os.fspath(LIBRARY))
 
 
-@cache
-def layout(name: str) -> np.dtype[np.void]:
-    """Give the numpy type of an array of structures, aligned as the compiler does it.
-
-    Raises:
-        SimulationError: The library is not built, or numpy lays such a structure out differently.
-    """
+def _element(member: CData) -> tuple[str, tuple[int, ...]]:
+    """Give numpy's code of what a member of a structure holds, and the shape of an array of it."""
     codes = {
         "double": "f8",
         "int32_t": "i4",
@@ -91,9 +86,21 @@ def layout(name: str) -> np.dtype[np.void]:
         "uint32_t": "u4",
         "uint64_t": "u8",
     }
+    if member.kind == "array":
+        return codes[member.item.cname], (member.length,)
+    return codes[member.cname], ()
+
+
+@cache
+def layout(name: str) -> np.dtype[np.void]:
+    """Give the numpy type of an array of structures, aligned as the compiler does it.
+
+    Raises:
+        SimulationError: The library is not built, or numpy lays such a structure out differently.
+    """
     ffi, _ = connection()
-    members = ffi.typeof(name).fields
-    found = np.dtype([(member, codes[f.type.cname]) for member, f in members], align=True)
+    members = [(member, *_element(f.type)) for member, f in ffi.typeof(name).fields]
+    found = np.dtype(members, align=True)
     if found.itemsize != ffi.sizeof(name):
         raise SimulationError(f"{name}: numpy lays it out differently from the C compiler")
     return found

@@ -64,6 +64,19 @@ class Outcomes:
         return replace(self, **{f.name: getattr(self, f.name)[:, touches] for f in fields(self)})
 
 
+def warmths_k(touches: Touches, calibrated_at_c: float) -> FloatArray:
+    """Give the degrees above the calibration that each thermometer shows; shape (1 + t, n).
+
+    First temp_c, then further ones, up to as many as the simulation knows: 0 of one that is not
+    there or did not show any.
+    """
+    further = connection()[1].SIM_FURTHER_THERMOMETERS
+    warmths = np.zeros((1 + further, len(touches)))
+    for i, temp_c in enumerate([touches.temp_c, *touches.thermometers.values()][: 1 + further]):
+        warmths[i] = np.nan_to_num(temp_c, nan=calibrated_at_c) - calibrated_at_c
+    return warmths
+
+
 def touch_rows(
     nominal: Nominal, touches: Touches, pulse_us: float, datum_um: FloatArray | float = 0.0
 ) -> NDArray[np.void]:
@@ -79,7 +92,8 @@ def touch_rows(
     )
     rows["axis"] = np.maximum(touches.axis, 0)  # what was not recorded counts as X
     at_c = nominal.probe.calibrated_at_c
-    rows["temp_c"] = np.nan_to_num(touches.temp_c, nan=at_c) + (CALIBRATED_AT_C - at_c)
+    rows["temp_c"], *further_c = CALIBRATED_AT_C + warmths_k(touches, at_c)
+    rows["further_temp_c"] = np.transpose(further_c)
     rows["pulse_us"] = pulse_us
     rows["datum_um"] = datum_um
     return rows

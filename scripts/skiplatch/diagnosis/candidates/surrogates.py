@@ -23,8 +23,9 @@ NOW_AND_THEN = ("contact_bounce", "isr_blocking", "scan_overrun")
 """Effects on some touches or scans, at most that share of them."""
 SWITCHES = (
     *("along_approach", "at_surface", "is_coordinate", "left_out", "mirrored", "moves_surface"),
+    "thermometer",
 )
-"""Parameters of which nothing but the one or the other end has a meaning."""
+"""Parameters of which nothing but whole numbers have a meaning."""
 PLACES = ("phase", "second_after", "origin")
 """Parameters that are a place within a period, as a share of it."""
 HALF_WAY = 0.5
@@ -214,7 +215,7 @@ def warmed(scene: Scene, p: Parameters) -> Change:
     lag_s = abs(p[2])
     if lag_s > MOST_LAG * float(np.ptp((scene.whole or scene).touches.time_s)):
         return NOTHING  # what hardly moves all the while follows nothing
-    warmth_k = _lagged(scene, lag_s, as_share(p[3]))
+    warmth_k = _lagged(scene, lag_s, as_share(p[3]), _thermometer(scene, p[8]))
     um_k = p[0] + p[1] / UM_PER_MM * np.nan_to_num(scene.latched_mm)
     sense = 1.0 if p[6] > HALF_WAY else scene.sign
     return _farther(scene, sense * um_k * warmth_k * scene.over_x(p[4], p[5]), p[7])
@@ -226,11 +227,15 @@ def _farther(scene: Scene, um: FloatArray, moves_surface: float) -> Change:
     return Change(position_um=um, contact_us=later_us)
 
 
-def _lagged(scene: Scene, lag_s: float, cold: float = 0.0) -> FloatArray:
-    """Temperature behind the thermometer by a first-order lag; shape (n,)."""
+def _thermometer(scene: Scene, number: float) -> int:
+    return int(np.rint(np.clip(number, 0.0, len(scene.warmths) - 1.0)))
+
+
+def _lagged(scene: Scene, lag_s: float, cold: float, thermometer: int) -> FloatArray:
+    """Temperature behind a thermometer by a first-order lag; shape (n,)."""
     if scene.whole is not None:
-        return _lagged(scene.whole, lag_s, cold)[scene.chosen]
-    warmth = scene.warmth
+        return _lagged(scene.whole, lag_s, cold, thermometer)[scene.chosen]
+    warmth: FloatArray = scene.warmths[thermometer]
     if lag_s <= 0.0 or len(scene) < 2:
         return warmth
     keep = np.exp(-np.diff(scene.touches.time_s) / lag_s)
@@ -267,7 +272,8 @@ def drift(scene: Scene, p: Parameters) -> Change:
 
 def warmth_k_s(scene: Scene, now_us: FloatArray) -> FloatArray:
     """Kelvins above the calibration times seconds, from the start to now; shape (n,)."""
-    return scene.warmth_before_k_s + scene.warmth * (now_us * 1e-6 - scene.touches.time_s)
+    since_s = now_us * 1e-6 - scene.touches.time_s
+    return np.asarray(scene.warmth_before_k_s + scene.warmths[0] * since_s)
 
 
 def later_reports(scene: Scene, p: Parameters) -> Change:

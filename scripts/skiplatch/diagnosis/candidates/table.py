@@ -26,6 +26,7 @@ from skiplatch.diagnosis.candidates.applicable import (
 )
 from skiplatch.diagnosis.candidates.axes import axes_of_their_own, each_axis, like_datum
 from skiplatch.diagnosis.candidates.candidate import Candidate
+from skiplatch.diagnosis.candidates.thermometers import by_each_thermometer, shows_warmth
 from skiplatch.diagnosis.candidates.waves import transmissions
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.span import ALWAYS, Span
@@ -43,6 +44,8 @@ def _as_id_and_span(one: Candidate) -> tuple[Callable[[str, Span], Candidate], t
 copyreg.pickle(Candidate, _as_id_and_span)  # functions do not travel to another process
 
 
+WARMED = ((1.0, 0.0, 0.0), (1.0, 0.0, 1.0), (0.0, 1.0, 0.0))
+"""Whether the axis drifts or its scale grows, and whether that is along the approach."""
 _DELAYS = starts.later(*([sign * us, 0.0, 0.0] for us in (10.0, 300.0) for sign in (1.0, -1.0)))
 
 CANDIDATES: Mapping[str, Candidate] = {
@@ -243,19 +246,21 @@ CANDIDATES: Mapping[str, Candidate] = {
         Candidate(
             "thermal_drift",
             surrogates.warmed,
-            each_axis(
-                surrogates.warmed,
-                [
-                    [drift, growth, lag_s, cold, 0.0, 0.0, along, 0.0]
-                    for drift, growth, along in ((1.0, 0.0, 0.0), (1.0, 0.0, 1.0), (0.0, 1.0, 0.0))
-                    for lag_s, cold in ((0.0, 0.0), (300.0, 0.0), (3000.0, 0.0), (500.0, 1.0))
-                ],
-                (2.0,),
-                linear=2,
-                y_excess_ratio=4,
-                moves_surface=7,
+            by_each_thermometer(
+                lambda number: each_axis(
+                    surrogates.warmed,
+                    [
+                        [drift, growth, lag_s, cold, 0.0, 0.0, along, 0.0, number]
+                        for drift, growth, along in WARMED
+                        for lag_s, cold in ((0.0, 0.0), (300.0, 0.0), (3000.0, 0.0), (500.0, 1.0))
+                    ],
+                    (2.0,),
+                    linear=2,
+                    y_excess_ratio=4,
+                    moves_surface=7,
+                )
             ),
-            applies=varies("temp_c"),
+            applies=shows_warmth,
             refinements=({0: 1.0}, {1: 10.0}, {3: 0.5}, *axes_of_their_own(4)),
         ),
         Candidate(

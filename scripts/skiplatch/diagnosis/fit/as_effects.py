@@ -4,7 +4,7 @@ import numpy as np
 
 from skiplatch.diagnosis.candidates.first_axis import within_ratio
 from skiplatch.diagnosis.candidates.simulated import Simulated, admitted_values
-from skiplatch.diagnosis.candidates.surrogates import HALF_WAY, SWITCHES, highest, turn_of
+from skiplatch.diagnosis.candidates.surrogates import SWITCHES, highest, turn_of
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.simulator.effects import Effect, effects
 
@@ -43,7 +43,7 @@ def _admitted(effect_id: str, parameters: dict[str, float]) -> dict[str, float]:
         if turn := turn_of(parameter):
             value %= turn
         elif parameter.name in SWITCHES:
-            value = float(value > HALF_WAY)
+            value = float(np.rint(value))
         elif parameter.low >= 0.0:
             value = abs(value)
         high = highest(effect_id, parameter)

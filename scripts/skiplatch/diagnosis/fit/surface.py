@@ -56,12 +56,12 @@ class Slot:
 
     @property
     def is_held(self) -> bool:
-        """It stands at 0 or at an end, where a search has no use for it."""
-        return self.value in (0.0, self.low, self.high)
+        """It stands at 0, at an end or at a number, where a search has no use for it."""
+        return self.is_switch or self.value in (0.0, self.low, self.high)
 
     @property
     def is_switch(self) -> bool:
-        """Nothing but the one or the other end of it has a meaning."""
+        """Nothing but whole numbers of it have a meaning."""
         return self.parameter.name in SWITCHES
 
     @property

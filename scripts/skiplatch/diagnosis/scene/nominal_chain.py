@@ -10,6 +10,7 @@ from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.campaign import Axis, InputPath, Kind, Nominal, Status, Touches
 from skiplatch.diagnosis.scene.grid import off_grid
 from skiplatch.motion import Contact, expected_contact
+from skiplatch.simulator.playing import warmths_k
 from skiplatch.units import UM_PER_MM, UM_US_PER_MM_S
 
 LOBES = 3.0
@@ -76,10 +77,9 @@ class NominalChain:
         return np.asarray(self.touches.position_mm + self.sign * beyond_mm)
 
     @cached_property
-    def warmth(self) -> FloatArray:
-        """Degrees above the calibration; shape (n,)."""
-        calibrated_at_c = self.nominal.probe.calibrated_at_c
-        return np.nan_to_num(self.touches.temp_c, nan=calibrated_at_c) - calibrated_at_c
+    def warmths(self) -> FloatArray:
+        """Degrees above the calibration by each thermometer, temp_c first; shape (1 + t, n)."""
+        return warmths_k(self.touches, self.nominal.probe.calibrated_at_c)
 
     @cached_property
     def warmth_before_k_s(self) -> FloatArray:
@@ -87,7 +87,7 @@ class NominalChain:
         if self.whole is not None:
             return self.whole.warmth_before_k_s[self.chosen]
         steps_s = np.diff(self.touches.time_s, prepend=0.0)
-        return np.asarray(np.cumsum(self.warmth * steps_s))
+        return np.asarray(np.cumsum(self.warmths[0] * steps_s))
 
     @cached_property
     def lobes_um(self) -> FloatArray:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from skiplatch.diagnosis.candidates.axes import idle
-from skiplatch.diagnosis.candidates.surrogates import highest, turn_of
+from skiplatch.diagnosis.candidates.surrogates import SWITCHES, highest, turn_of
 from skiplatch.diagnosis.fit.as_effects import as_effects
 from skiplatch.diagnosis.fit.belief_spread import beside_beliefs
 from skiplatch.diagnosis.fit.beliefs import Belief
@@ -109,6 +109,7 @@ def _at_limit(effect: Effect) -> frozenset[str]:
     def is_end(p: Parameter) -> bool:
         value = effect.parameters[p.name]
         is_natural = value == 0.0 or p.unit == "deg" or (p.unit == "1" and value == 1.0)
+        is_natural |= p.name in SWITCHES
         return value in (p.low, p.high, highest(effect.id, p)) and not is_natural
 
     return frozenset(p.name for p in effects()[effect.id].parameters if is_end(p))
