@@ -236,8 +236,9 @@ def _condition(machine: Machine, flow: re.Match[str]) -> bool:
 def _goes_on(machine: Machine, at: int, flow: re.Match[str], left: dict[int, int]) -> bool:
     if flow[2].upper() == "WHILE":
         return _condition(machine, flow)
-    value = machine.value(next(bracketed(flow[3]), "0"))
-    left[at] = left.get(at, int(value or 0)) - 1
+    if at not in left:
+        left[at] = int(machine.value(next(bracketed(flow[3]), "0")) or 0)
+    left[at] -= 1
     if left[at] < 0:
         del left[at]
         return False
