@@ -6,14 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from played_campaigns import BENCH, played
+from played_campaigns import BENCH, played, played_again, stamped_machine, thinned
 from skiplatch.campaign import Campaign
 from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.fit.as_effects import as_effects
 from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.fit.material import DEFAULT
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.gains import shares_gained
+from skiplatch.diagnosis.verdict.work import Work
 from skiplatch.simulator.effects import Effect
 
 LATE = Effect("isr_latency", {"latency_us": 40.0})
@@ -96,6 +98,33 @@ def test_what_looks_like_it_gains_less() -> None:
     (share,) = shares(played(BENCH, BOUNCE), fit_of(alike)).values()
 
     assert share < 0.5
+
+
+def test_of_a_rig_as_noisy_as_the_record_the_truth_gains_no_less_than_its_plays() -> None:
+    """At one slow feed, a noise a third above the belief tells retries worse than believed."""
+    retry = Effect("link_retry", {"probability": 0.15, "period_us": 6000.0})
+    machine = stamped_machine()
+    slow = np.full(len(machine.touches), 60.0)
+    near = np.ones(len(slow))
+    touches = replace(machine.touches, feed_mm_min=slow, approach_mm=near)
+    machine = replace(machine, touches=touches)
+
+    def repeating_to(campaign: Campaign, um: float) -> Campaign:
+        probe = replace(campaign.nominal.probe, repeatability_um=um)
+        return replace(campaign, nominal=replace(campaign.nominal, probe=probe))
+
+    campaign = repeating_to(played_again(repeating_to(machine, 0.65), retry, seed=0), 0.5)
+    work = Work(Scene.of(thinned(campaign)), None, 1, 1, DEFAULT)
+    fit, rows = fit_of(retry), np.ones(len(work.scene), bool)
+    rig = Rig(work.scene.nominal, as_effects(fit))
+
+    plain, noisy = (
+        shares_gained(work.scene, rows, (work.rig(None), one), fit, seed=1)[retry.id]
+        for one in (rig, work.as_noisy(rig, fit))
+    )
+
+    assert plain < 2.0 / 3.0
+    assert noisy == 1.0
 
 
 def test_an_effect_that_gains_nothing_where_it_is_there_is_none() -> None:

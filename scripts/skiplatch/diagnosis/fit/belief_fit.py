@@ -54,6 +54,7 @@ def fit_beliefs(
     beliefs: Sequence[Belief],
     tried: Nominal | None = None,
     names: Collection[str] | None = None,
+    worth_moving: float = WORTH_MOVING,
 ) -> Fitted:
     """Fit beliefs to a scene under a change of the physics, one after the other, twice over.
 
@@ -63,8 +64,10 @@ def fit_beliefs(
         beliefs: As they stand in nominal.toml.
         tried: Where they fit beside another change: what a search may start from as well.
         names: Of the streams that they are fitted to; all without it.
+        worth_moving: Nats that a belief has to gain to move.
     """
-    places, moves = np.zeros(len(beliefs)), _Moves(scene, change, beliefs, tried, names)
+    places = np.zeros(len(beliefs))
+    moves = _Moves(scene, change, beliefs, tried, names, worth_moving)
     noise_last = sorted(  # it hides the rest, and most of all where it moves the mean
         range(len(beliefs)), key=lambda i: (beliefs[i].is_noise, beliefs[i].box is None)
     )
@@ -95,9 +98,10 @@ class _Moves:
         beliefs: Sequence[Belief],
         tried: Nominal | None,
         names: Collection[str] | None,
+        worth_moving: float = WORTH_MOVING,
     ) -> None:
         self._scene, self._change, self._beliefs, self._tried = scene, change, beliefs, tried
-        self._names = names
+        self._names, self._worth_moving = names, worth_moving
 
     def nominal_at(self, places: FloatArray) -> Nominal:
         nominal = self._scene.nominal
@@ -131,7 +135,8 @@ class _Moves:
         ends = max(-FARTHEST, -FARTHEST - others), min(FARTHEST, FARTHEST - others)
         belief = self._beliefs[int(own.argmax())]
         best = _least(cost, _guesses(self._scene, self._change, belief, self._tried), ends)
-        return np.where(own, best if cost(best) < cost(0.0) - WORTH_MOVING else 0.0, places)
+        is_worth_it = cost(best) < cost(0.0) - self._worth_moving
+        return np.where(own, best if is_worth_it else 0.0, places)
 
 
 def _guesses(scene: Scene, change: Change, belief: Belief, tried: Nominal | None) -> list[float]:

@@ -177,8 +177,13 @@ def _unreached(scene: Scene, fit: Fit) -> frozenset[str]:
 
 
 def _gains(work: Work, rows: BoolArray, rig: Rig, fit: Fit) -> Mapping[str, float]:
-    rigs = work.rig(None), rig
-    return shares_gained(work.scene, rows, rigs, work.settled(fit), seed=work.seed)
+    rigs, settled = (work.rig(None), rig), work.settled(fit)
+    shares = shares_gained(work.scene, rows, rigs, settled, seed=work.seed)
+    if all(share == 1.0 for share in shares.values()):
+        return shares
+    # Plays of less noise than the record has are told better: that is no fault of an effect's.
+    noisy = rigs[0], work.as_noisy(rig, settled)
+    return shares_gained(work.scene, rows, noisy, settled, seed=work.seed)
 
 
 def _likelier(scene: Scene, rows: BoolArray, believed: Rig, rig: Rig, fit: Fit) -> float:

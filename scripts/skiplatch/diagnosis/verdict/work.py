@@ -83,6 +83,13 @@ class Work:
         for fit, (nominal, there) in zip(new, settled, strict=True):
             self._rigs[fit.key] = self._rig_of(self.naming, nominal, there), there
 
+    def as_noisy(self, rig: Rig, fit: Fit) -> Rig:
+        """Give the rig of a hypothesis with the noise that the touches tell, however uncertain."""
+        noise = [belief for belief in self.beliefs if belief.is_noise]
+        there = self.naming.with_nominal(rig.nominal)
+        nominal = fit_beliefs(there, fit.change(there), noise, worth_moving=0.0).nominal
+        return replace(rig, nominal=nominal)
+
     def folds(self, fit: Fit) -> tuple[Folds, Sequence[Fit]]:
         """Give rigs that a hypothesis says it is, each by all touches but those that it plays.
 
