@@ -18,7 +18,7 @@ import numpy as np
 from skiplatch.campaign import Campaign
 from skiplatch.commands.kept import Kept
 from skiplatch.diagnosis import diagnose
-from skiplatch.diagnosis.candidates.surrogates import HALF_WAY, SWITCHES, highest
+from skiplatch.diagnosis.candidates.surrogates import SWITCHES, highest
 from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
@@ -158,9 +158,9 @@ def _is_unique(effect: Effect, setup: Setup) -> bool:
 
 
 def _as_simulated(effect: Effect) -> Effect:
-    """Turn switches on or off; the simulator asks no more of them either."""
+    """Bring switches to a number; the simulator asks no more of them either."""
     switched = {
-        name: float(value > HALF_WAY) if name in SWITCHES else value
+        name: float(np.rint(value)) if name in SWITCHES else value
         for name, value in effect.parameters.items()
     }
     return Effect(effect.id, switched)

@@ -64,15 +64,19 @@ class Outcomes:
         return replace(self, **{f.name: getattr(self, f.name)[:, touches] for f in fields(self)})
 
 
+def thermometers_c(touches: Touches) -> list[FloatArray]:
+    """Give what each thermometer showed, temp_c first, as many as the simulation knows."""
+    further = connection()[1].SIM_FURTHER_THERMOMETERS
+    return [touches.temp_c, *touches.thermometers.values()][: 1 + further]
+
+
 def warmths_k(touches: Touches, calibrated_at_c: float) -> FloatArray:
     """Give the degrees above the calibration that each thermometer shows; shape (1 + t, n).
 
-    First temp_c, then further ones, up to as many as the simulation knows: 0 of one that is not
-    there or did not show any.
+    In the order of `thermometers_c`; 0 of one that is not there or did not show any.
     """
-    further = connection()[1].SIM_FURTHER_THERMOMETERS
-    warmths = np.zeros((1 + further, len(touches)))
-    for i, temp_c in enumerate([touches.temp_c, *touches.thermometers.values()][: 1 + further]):
+    warmths = np.zeros((1 + connection()[1].SIM_FURTHER_THERMOMETERS, len(touches)))
+    for i, temp_c in enumerate(thermometers_c(touches)):
         warmths[i] = np.nan_to_num(temp_c, nan=calibrated_at_c) - calibrated_at_c
     return warmths
 

@@ -8,6 +8,7 @@ from skiplatch.diagnosis.candidates.applicable import is_varied
 from skiplatch.diagnosis.candidates.starts import Starts
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.simulator.playing import thermometers_c
 
 
 def shows_warmth(scene: Scene) -> bool:
@@ -26,7 +27,7 @@ def by_each_thermometer(starts_of: Callable[[float], Starts]) -> Starts:
 
 def _told_apart(scene: Scene) -> list[int]:
     """Number the thermometers that moved, each as no other before it; temp_c is 0."""
-    shown = [scene.touches.temp_c, *scene.touches.thermometers.values()][: len(scene.warmths)]
+    shown = thermometers_c(scene.touches)
     moved: list[int] = []
     for number, temp_c in enumerate(shown):
         is_new = not any(np.array_equal(temp_c, shown[i], equal_nan=True) for i in moved)

@@ -83,7 +83,7 @@ def fit_beliefs(
 def beside_grid(scene: Scene, change: Change) -> float:
     """Give the nats beside the period that the stamps of the scans tell under a change."""
     belief = next(b for b in uncertain(scene.nominal) if b.key == SCAN_PERIOD)
-    moves = _Moves(scene, change, [belief], None, None)
+    moves = _Moves(scene, change, [belief], None, None, WORTH_MOVING)
     places = [0.0, *(p for p in _guesses(scene, change, belief, None) if abs(p) < FARTHEST)]
     return max(moves.at(np.array([place])).total - 0.5 * place**2 for place in places)
 
@@ -98,7 +98,7 @@ class _Moves:
         beliefs: Sequence[Belief],
         tried: Nominal | None,
         names: Collection[str] | None,
-        worth_moving: float = WORTH_MOVING,
+        worth_moving: float,
     ) -> None:
         self._scene, self._change, self._beliefs, self._tried = scene, change, beliefs, tried
         self._names, self._worth_moving = names, worth_moving

@@ -56,7 +56,7 @@ class Slot:
 
     @property
     def is_held(self) -> bool:
-        """It stands at 0, at an end or at a number, where a search has no use for it."""
+        """It stands at 0 or at an end, or is a switch, where a search has no use for it."""
         return self.is_switch or self.value in (0.0, self.low, self.high)
 
     @property

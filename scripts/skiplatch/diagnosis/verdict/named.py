@@ -108,8 +108,8 @@ def _at_limit(effect: Effect) -> frozenset[str]:
 
     def is_end(p: Parameter) -> bool:
         value = effect.parameters[p.name]
-        is_natural = value == 0.0 or p.unit == "deg" or (p.unit == "1" and value == 1.0)
-        is_natural |= p.name in SWITCHES
+        is_all = p.unit == "1" and value == 1.0
+        is_natural = value == 0.0 or is_all or p.unit == "deg" or p.name in SWITCHES
         return value in (p.low, p.high, highest(effect.id, p)) and not is_natural
 
     return frozenset(p.name for p in effects()[effect.id].parameters if is_end(p))
