@@ -1,6 +1,7 @@
 """What holds of a board that makes its edges itself, 20 µs apart: hal/ports/qemu/train.h."""
 
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
 from typing import ClassVar
@@ -16,7 +17,7 @@ COUNTERS = 12  # bytes into a latch_t: four of 16 bits
 TRAIN = 512  # a power of two: one bit tells its end
 SPACING_US = 20
 REST_US = 100_000
-SILENCE_S = 0.5
+SILENCE_S = 0.05
 WAITS_US = 5.0  # the interrupt that makes an edge, for critical sections and for a byte
 
 
@@ -51,18 +52,24 @@ class Train:
         """Let the edges come, and what they leave be sent.
 
         QEMU stands still while a byte of the UART cannot leave, and answers nothing: bytes are
-        fetched until there are no more, before anything is asked.
+        fetched all the while that it is asked.
         """
-        self.emulator.write(self._symbols["train_wanted"], TRAIN)
-        while self.variable("train_made") < TRAIN:
-            self.emulator.go()
-            self._receive()
-            self.emulator.stop()
-        self._rig.run_for(REST_US)
+        with ThreadPoolExecutor(1) as asking:
+            played = asking.submit(self._make_edges)
+            while not played.done():
+                self._receive()
+        played.result()
         self._receive()
 
+    def _make_edges(self) -> None:
+        """Let the edges come, and their records leave."""
+        self.emulator.write(self._symbols["train_wanted"], TRAIN)
+        while self.variable("train_made") < TRAIN:
+            self._rig.run_for(REST_US)
+        self._rig.run_for(REST_US)
+
     def _receive(self) -> None:
-        """Fetch bytes of the UART until there are no more."""
+        """Fetch bytes of the UART until none comes for a while."""
         self.emulator.serial.settimeout(SILENCE_S)
         with suppress(TimeoutError):
             while received := self.emulator.serial.recv(1 << 16):
