@@ -20,7 +20,7 @@ from typing import ClassVar, Self, TextIO
 from tests.boards.emulated import EmulatedBoard
 
 ICOUNT_SHIFT = 5  # 32 ns an instruction
-PATIENCE_S = 10.0
+PATIENCE_S = 60.0
 HOLDERS = ("soc", "unattached")  # of a machine's devices, beside the machine itself
 
 

@@ -218,7 +218,7 @@ needs_injector = pytest.mark.skipif(
 def injector_says(path: Path) -> str:
     """Start the injector on an interface that is not there; give its one line."""
     command = [str(INJECTOR), "--can", "absent0", "--line", "absent:0", "--key", str(path)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=20)
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
     assert done.returncode == 2
     (line,) = done.stderr.splitlines()
     return line.removeprefix("skiplatch-injector: ")
