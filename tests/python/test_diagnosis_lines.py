@@ -6,15 +6,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from played_campaigns import BENCH, MACHINE, played
-from skiplatch.campaign import Campaign, Status
+from played_campaigns import BENCH, MACHINE, played, played_again
+from skiplatch.campaign import Campaign, Status, read_campaign
 from skiplatch.campaign.datum import Datum, DatumFreedom
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.candidates.grid_starts import ticks
 from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.as_effects import as_effects
+from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.fit.material import DEFAULT
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.likelihood.physics import line_bonus
 from skiplatch.diagnosis.plays.left import Left
 from skiplatch.diagnosis.plays.leftover import Beside, left_over
 from skiplatch.diagnosis.plays.playing import Rig
@@ -96,3 +99,19 @@ def test_a_latch_without_a_contact_says_nothing_of_the_scans() -> None:
 
     assert "grid" in {one.observable for one in mattering(off)}
     assert mattering(false) == []
+
+
+@pytest.mark.parametrize("origin_us", [0.0, -5e-5])
+def test_plays_of_a_clock_lie_on_the_lines_that_were_found(origin_us: float) -> None:
+    """A hair short of a believed tick they are stamped down to the one before."""
+    coarse = CANDIDATES["timer_quantisation"]
+    parameters = np.array([188.710_000_000_25, origin_us, 0.0])
+    clock = Fit((coarse,), (parameters,), frozenset({"latch_skip"}))
+    recorded = read_campaign(BENCH)
+    fine = replace(recorded.nominal, skip=replace(recorded.nominal.skip, tick_us=0.01))
+
+    scene = Scene.of(played_again(replace(recorded, nominal=fine), *as_effects(clock)))
+    stream = scene.streams["latch_skip"]
+
+    bonus = line_bonus(scene, stream, coarse.change(scene, parameters))[stream.indices]
+    assert bonus.min() == bonus.max() > 0.0

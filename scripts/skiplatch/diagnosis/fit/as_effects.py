@@ -8,8 +8,8 @@ from skiplatch.diagnosis.candidates.surrogates import SWITCHES, highest, turn_of
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.simulator.effects import Effect, effects
 
-DIGITS = 12
-"""A tick that is a hair longer keeps no grid over hours: 1e10 µs are known to a hundredth."""
+DIGITS = 15
+"""A tick that is a hair longer keeps no grid over days: 1e12 µs are known to a hundredth."""
 
 
 def as_effects(fit: Fit) -> list[Effect]:
