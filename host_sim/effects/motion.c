@@ -4,7 +4,7 @@
 #include "effects/effect.h"
 
 #define SLOWEST_MM_MIN 1.0
-#define LEAST_RATIO    0.02
+#define LEAST_RATIO    0.001
 #define MM_PER_M       1000.0
 
 double effect_feed_error(const sim_effect_call_t *call, double feed_mm_min)

@@ -17,7 +17,7 @@ static const sim_effect_t EFFECTS[] = {
      SIM_FEED, effect_feed_error},
     {{"unfinished_acceleration", "motion", "both",
       "the axis accelerates more slowly than believed; short approaches touch below the feed",
-      {{"accel_ratio", "1", "real over believed acceleration", 0.02, 1.0},
+      {{"accel_ratio", "1", "real over believed acceleration", 0.001, 1.0},
        {"by_feed", "1", "power of the feed in m/min that it goes with; never beyond 1", -2.0, 2.0}}},
      SIM_ACCEL, effect_unfinished_acceleration},
     {{"pretravel_lobing", "probe", "both", "three lobes of pretravel beside the calibrated ones",

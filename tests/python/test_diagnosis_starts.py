@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from played_campaigns import BENCH, MACHINE, played
-from skiplatch.campaign import Campaign
+from played_campaigns import BENCH, MACHINE, played, played_again
+from skiplatch.campaign import Campaign, read_campaign
+from skiplatch.campaign.datum import Datum, DatumFreedom
 from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density.change import NOTHING
 from skiplatch.diagnosis.fit.believed import scene_of
@@ -75,6 +76,18 @@ def test_a_search_reaches_what_the_truth_reaches(
     effect = Effect(effect_id, parameters)
 
     assert behind_truth(played(folder, effect, seed=5), effect) < MISSED_NATS
+
+
+def test_a_few_slow_touches_tell_the_acceleration_however_far_off_they_are() -> None:
+    """A radio probe's delay makes hundreds of noises of them: only a near start sees a slope."""
+    recorded = read_campaign(MACHINE)
+    radio = replace(recorded.nominal, probe=replace(recorded.nominal.probe, delay_us=16_100.0))
+    known = replace(radio, datum=Datum(DatumFreedom.NONE))
+    slow = Effect("unfinished_acceleration", {"accel_ratio": 0.083})
+
+    campaign = played_again(replace(recorded, nominal=known), slow, seed=5)
+
+    assert behind_truth(campaign, slow) < MISSED_NATS
 
 
 def test_late_touches_propose_how_late_they_are_wherever_the_surface_lies() -> None:

@@ -23,6 +23,8 @@ SLOWER = (0.9997, 0.999, 0.997, 0.99, 0.97, 0.9, 0.7, 0.4, 0.1)
 """Shares of the believed acceleration."""
 JUST_NOT_ENOUGH = (0.9, 0.6, 0.3)
 """Shares of the acceleration that the fastest of the short approaches needs."""
+CLOSER = 0.9 ** np.arange(1, 20)
+"""The same, as close as a few touches that come slow tell them from many that do not."""
 POWERS_OF_FEED = (0.0, -0.5, 0.5, -1.0, 1.0, -2.0, 2.0)
 """That a share of the acceleration may go with."""
 CAPPED = (0.999, 0.99, 0.9, 0.6)
@@ -251,4 +253,7 @@ def accelerations(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     shares = (*SLOWER, *(share * most for share in JUST_NOT_ENOUGH))
     feed_m_min = scene.touches.feed_mm_min / MM_PER_M
     by_feed = [(power, float(np.max(feed_m_min**-power))) for power in POWERS_OF_FEED]
-    return [[share * over, power] for share in shares if share < 1.0 for power, over in by_feed]
+    alike = [[share, 0.0] for share in (CLOSER * most).tolist() if share < 1.0]
+    return alike + [
+        [share * over, power] for share in shares if share < 1.0 for power, over in by_feed
+    ]

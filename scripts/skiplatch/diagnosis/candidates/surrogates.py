@@ -39,7 +39,6 @@ SHORTEST_US = 1e-3
 MOST_LAG = 3.0
 """Behind the temperature, over the time that a campaign takes."""
 SLOWEST_RATIO = 0.05
-LEAST_ACCEL = 0.02
 DRIFT_ROUNDS = 4
 """Each makes the time that a stamp stands for a thousand times as exact, or more."""
 
@@ -77,7 +76,8 @@ def feed_error(scene: Scene, p: Parameters) -> Change:
 def unfinished(scene: Scene, p: Parameters) -> Change:
     """The axis accelerates more slowly, at some feeds more so than at others."""
     by_feed = (scene.touches.feed_mm_min / MM_PER_M) ** p[1]
-    ratio = np.clip(p[0] * by_feed, LEAST_ACCEL, 1.0)
+    least = parameter_of("unfinished_acceleration", "accel_ratio").low
+    ratio = np.clip(p[0] * by_feed, least, 1.0)
     return _other_motion(scene, 1.0, scene.nominal.axis.accel_mm_s2 * ratio)
 
 
