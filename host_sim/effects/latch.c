@@ -8,7 +8,7 @@
 #define US_PER_H      3.6e9
 #define US_PER_S      1.0e6
 #define CALIBRATION_C 20.0
-#define ROUNDING      0.01 /* nominal ticks; the likelihood takes as much for a tick */
+#define ROUNDING      1.0e-3 /* nominal ticks */
 
 /* An edge that falls into a masked stretch waits for the rest of it; of stretches whose lengths
  * differ the rest has a tail. */

@@ -11,7 +11,7 @@
 /* clang-format off */
 static const sim_effect_t EFFECTS[] = {
     {{"feed_error", "motion", "both", "the real feed is not the programmed one",
-      {{"feed_percent", "%", "real minus programmed feed, as by an override", -90.0, 100.0},
+      {{"feed_percent", "%", "real minus programmed feed, as by an override", -90.0, 200.0},
        {"offset_mm_min", "mm/min", "the same at every feed, on top", -1000.0, 1000.0},
        {"limit_mm_min", "mm/min", "that no feed exceeds; 0: none", 0.0, 100000.0}}},
      SIM_FEED, effect_feed_error},

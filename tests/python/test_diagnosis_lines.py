@@ -101,7 +101,7 @@ def test_a_latch_without_a_contact_says_nothing_of_the_scans() -> None:
     assert mattering(false) == []
 
 
-@pytest.mark.parametrize("origin_us", [0.0, -5e-5])
+@pytest.mark.parametrize("origin_us", [0.0, -1.04e-4])
 def test_plays_of_a_clock_lie_on_the_lines_that_were_found(origin_us: float) -> None:
     """A hair short of a believed tick they are stamped down to the one before."""
     coarse = CANDIDATES["timer_quantisation"]

@@ -2,9 +2,11 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Nominal
 from skiplatch.diagnosis.candidates.applicable import varies
 from skiplatch.diagnosis.candidates.first_axis import first_of_its_own
@@ -24,8 +26,23 @@ LEEWAY = 0.05
 
 MOVES_SURFACE = "moves_surface"
 """The parameter by which an error of the position is one of the surface."""
+NO_SIZES = ("deg", "1")
+"""Units of angles, shares and switches."""
 TOLD_BY = {"expansion_ppm_k": "position_mm"}
 """Columns that have to vary for a parameter to be told from another one."""
+
+
+@cache
+def _ranges_of(effect_id: str) -> tuple[FloatArray, FloatArray]:
+    """Give the least and the largest of each parameter, shape (p,); of angles and shares any is.
+
+    Those go round, or end where the physics has them end. Below 0 a size is the same one turned.
+    """
+    parameters = effects()[effect_id].parameters
+    is_size = np.array([p.unit not in NO_SIZES for p in parameters], dtype=bool)
+    low = np.array([p.low if p.low < 0.0 else -p.high for p in parameters])
+    high = np.array([p.high for p in parameters])
+    return np.where(is_size, low, -np.inf), np.where(is_size, high, np.inf)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,8 +76,11 @@ class Candidate:
         return tuple(parameter.name for parameter in effects()[self.id].parameters)
 
     def acting(self, scene: Scene, parameters: Parameters) -> Change:
-        """Give what parameters, shape (p,), make of the physics of the touches at which it acts."""
-        change = self.change(scene, parameters)
+        """Give what parameters, shape (p,), make of the physics of the touches at which it acts.
+
+        A size beyond its range is the end of it, as the simulator takes it.
+        """
+        change = self.change(scene, np.clip(parameters, *_ranges_of(self.id)))
         return change if self.span == ALWAYS else Change(passing=((self.span, change),))
 
     def taken_up(self, scene: Scene) -> frozenset[int]:
@@ -82,7 +102,7 @@ class Candidate:
         if any(
             abs(value) > max(abs(p.low), abs(p.high))
             for p, value in zip(effects()[self.id].parameters, parameters, strict=True)
-            if p.unit not in ("deg", "1")
+            if p.unit not in NO_SIZES
         ):
             return False
         if self.believed_us is None:

@@ -48,9 +48,12 @@ static bool is_nearest(double off)
     return fabs(off) < 0.5;
 }
 
-static bool is_down(double off)
+/* Lines are known to a hair, so that values may be off by it at either end; a wider window holds no
+ * other value if lines are far apart. */
+static bool is_down(const lines_t *lines, double off)
 {
-    return off > ROUNDING - 1.0 && off < ROUNDING;
+    bool are_apart = lines->coarse >= SIM_LINES_APART * lines->fine;
+    return off > (are_apart ? -1.0 - ROUNDING : ROUNDING - 1.0) && off < ROUNDING;
 }
 
 static kept_t count_kept(const lines_t *lines, const sim_member_t *member)
@@ -62,7 +65,7 @@ static kept_t count_kept(const lines_t *lines, const sim_member_t *member)
         kept.is_told = kept.is_told || !(fabs(number_at(lines->line, i)) <= 0.0);
         kept.known += isnan(lines->values[i]) ? 0u : 1u;
         kept.nearest += is_nearest(off) ? 1u : 0u;
-        kept.down += is_down(off) ? 1u : 0u;
+        kept.down += is_down(lines, off) ? 1u : 0u;
     }
     return kept;
 }
@@ -88,7 +91,7 @@ static void weigh_by_lines(const lines_t *lines, const sim_member_t *member, dou
     for (uint64_t k = 0; k < member->count; ++k) {
         uint64_t i = member->rows[k];
         double   off = off_line(lines, i);
-        bool     is_on = to_nearest ? is_nearest(off) : is_down(off);
+        bool     is_on = to_nearest ? is_nearest(off) : is_down(lines, off);
         double   known = anywhere < 1.0 ? (is_on ? on_a_line : off_them) : lines->gridless;
         bonus[k] = isnan(lines->values[i]) ? 0.0 : known;
     }

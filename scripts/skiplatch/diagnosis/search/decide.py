@@ -82,8 +82,9 @@ def _searched(judge: Judge, noticed: Noticed) -> Finding:
         return _single(judge, best, ranked)
     best, pairs = _with_second(judge, best, noticed)
     pairs = _from_further_on(judge, pairs, best, noticed)
-    if not pairs or judge.is_scatter(best):
-        # What scatters, or needs slack, may have taken two for one: the next best may be half.
+    if not pairs or judge.is_scatter(best) or noticed(pairs[0]):
+        # What scatters, needs slack or leaves something may have taken two for one: the next best
+        # may be half.
         others = from_next_best(judge, ranked, best, noticed)
         pairs = others if not pairs or (others and others[0].score > pairs[0].score) else pairs
         if not pairs:
