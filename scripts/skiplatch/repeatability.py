@@ -17,14 +17,13 @@ import numpy as np
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Axis, Campaign, InputPath, Touches
 from skiplatch.campaign.session_names import HOMING, begun_by
-from skiplatch.campaign.steps import common_step
 from skiplatch.drifts import FEWEST_FREE, Warmth, by_temperature, course_of, with_drift
 from skiplatch.errors import InputError
 from skiplatch.reversal import Reversal, reversal_of
 from skiplatch.settled import first_off, is_shown, settle
 from skiplatch.statistics import Interval
 from skiplatch.succession import InARow, in_a_row
-from skiplatch.surface_fit import Grid, by_t
+from skiplatch.surface_fit import Grid, by_t, grid_of
 from skiplatch.tables import counted
 from skiplatch.touched_often import beyond_firsts, often, surfaces_of, what_repeats
 from skiplatch.units import ARCSEC_PER_MILLIDEGREE
@@ -169,7 +168,7 @@ def repeatability(campaign: Campaign) -> Repeatability:
         raise InputError(campaign.path, None, None, message)
     touches, surface = touches.select(often_touched), surface[often_touched]
     surface = np.unique(surface, return_inverse=True)[1].ravel()
-    grid = Grid(common_step(values[often_touched]), _resolution(campaign, unit))
+    grid = grid_of(values[often_touched], touches.axis, _resolution(campaign, unit))
     at_rest = campaign.nominal.datum.is_at_rest
     worked_out = _of(touches, values[often_touched], surface, unit, grid, at_rest=at_rest)
     return replace(worked_out, missed=int(ordered.missed.sum()), false=int(ordered.false.sum()))

@@ -80,7 +80,10 @@ def _without_warmth(found: Repeatability) -> list[str]:
         return []
     slope = f"by {_words(warmth.slope, f'{found.unit}/K')}"
     sigma = f"σ = {_words(warmth.sigma, found.unit)}"
-    return [f"they go with the temperature ({found.warmest}), {slope}, and without that {sigma}"]
+    thermometer = f"the temperature ({found.warmest})"
+    if found.told & {"order", "axis"}:  # the two are one and the same: both would count it twice
+        return [f"in place of that drift, {thermometer} tells more: {slope}, which leaves {sigma}"]
+    return [f"they go with {thermometer}, {slope}, and without that {sigma}"]
 
 
 def _reversed(found: Repeatability) -> list[str]:

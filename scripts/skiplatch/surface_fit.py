@@ -1,11 +1,12 @@
 """Middles of surfaces and straight lines by least squares, and what lies far off them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import stats
 
 from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.campaign.steps import common_step
 from skiplatch.statistics import CONFIDENCE, Interval
 
 NORMAL_PER_MAD = 1.4826
@@ -66,10 +67,12 @@ class Grid:
     Attributes:
         step: That they are multiples of, as they show; None where they show none.
         resolution: As it is believed: where all but a few are the same, they show no step.
+        own: The step of the axis of each touch, where several axes were touched; shape (n,).
     """
 
     step: float | None
     resolution: float
+    own: FloatArray | None = None
 
     def finest(self, values: FloatArray) -> float:
         """Give what nothing smaller is told than: the step, if these fall on one.
@@ -83,6 +86,19 @@ class Grid:
             return NOTHING
         often = known[counts > 1]
         return float(np.diff(often).min()) if len(often) > 1 else self.resolution
+
+
+def grid_of(values: FloatArray, axis: np.typing.NDArray[np.integer], resolution: float) -> Grid:
+    """Tell what values are rounded to, and those of each axis where there are several."""
+    whole = Grid(common_step(values), resolution)
+    axes = np.unique(axis)
+    if len(axes) == 1:
+        return whole
+    own = np.zeros(len(values))
+    for each in axes:
+        rows = axis == each
+        own[rows] = Grid(common_step(values[rows]), resolution).finest(values[rows])
+    return replace(whole, own=own)
 
 
 def by_t(value: float, error: float, freedom: int) -> Interval:
@@ -147,7 +163,8 @@ def outlying(
     centre = float(np.median(residuals[rows]))
     scatter = NORMAL_PER_MAD * float(np.median(np.abs(residuals[rows] - centre)))
     step = grid.step or (0.0 if scatter else grid.resolution)
-    limit = max(sigmas * scatter, OUTLYING_STEPS * step, NOTHING)
+    steps = np.maximum(step, 0.0 if grid.own is None else grid.own)
+    limit = np.maximum(OUTLYING_STEPS * steps, max(sigmas * scatter, NOTHING))
     far = np.abs(residuals - centre) > limit
     if scatter == 0.0 and far[rows].mean() > MOST_OUTLYING:  # a coarse step hides what scatters
         far = np.abs(residuals - centre) > sigmas * float(np.std(residuals[rows]))

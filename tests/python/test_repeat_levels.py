@@ -103,6 +103,27 @@ def test_one_step_of_readings_is_scatter(machine_sample: Path) -> None:
     assert sentence(found).count(";") == 0
 
 
+def test_steps_of_a_coarse_axis_are_no_outliers_beside_a_finer_one(machine_sample: Path) -> None:
+    n = 24
+    coarse = np.zeros(n)
+    coarse[[2, 10, 15, 20]] = [-3.125, 3.125, 3.125, -3.125]
+    fine = np.tile([-1.25, 0.0, 0.0, 1.25], n // 4)
+    off_um = np.concatenate([coarse, np.zeros(n), fine])
+    with_one_far = np.where(np.arange(3 * n) == 10, 31.25, off_um)
+
+    steps, far = (of_three_axes(machine_sample, each) for each in (off_um, with_one_far))
+
+    assert (steps.outliers, far.outliers) == ((), (10,))
+
+
+def of_three_axes(folder: Path, off_um: FloatArray) -> Repeatability:
+    n = len(off_um)
+    touches = Touches.from_columns(
+        touch=np.arange(n), axis=np.repeat([0, 1, 2], n // 3), deviation_um=off_um
+    )
+    return repeatability(Campaign(nominal_of(folder), touches, folder))
+
+
 def test_of_five_touches_no_first_is_told(machine_sample: Path) -> None:
     found = of(machine_sample, [-63.5, 38.1, 25.4, -38.1, -25.4])
 

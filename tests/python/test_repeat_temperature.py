@@ -38,6 +38,18 @@ def test_sentence_says_the_scatter_without_the_temperature(machine_sample: Path)
     assert document["sigma_um"] > 2.0
 
 
+def test_a_drift_and_a_temperature_that_rise_together_are_not_told_both(
+    machine_sample: Path,
+) -> None:
+    rng = np.random.default_rng(4)
+    warm_c = 25.0 + 0.5 * np.arange(80.0) + np.sin(np.arange(80) / 9.0)
+
+    found = of(machine_sample, rng.normal(0.0, 1.0, 80) + 4.0 * warm_c, bed=warm_c)
+
+    assert "; in place of that drift, the temperature (bed) tells more: by 4." in sentence(found)
+    assert "they go with" not in sentence(found)
+
+
 def test_scatter_of_each_surface_about_its_own_middle_counts(machine_sample: Path) -> None:
     rng, warm_c = np.random.default_rng(2), np.repeat(21.0 + np.sin(np.arange(40.0)), 3)
     places = np.tile([0.0, 100.0, 200.0], 40)
