@@ -19,6 +19,7 @@ FAR_MM = 0.5
 """Farther from the others no probe latches that works: it slipped, or the axis lost steps."""
 A_PAIR = 2
 FEWEST = 3  # touches that make a surface of what was met elsewhere
+MOST_TOLD = 10  # surfaces at one place; more are no slips of a probe, but what was touched
 _PART = re.compile(r"^(?P<place>.* at .*?)(?: #\d+)?$")
 """How an importer names surfaces at one place: the first by the place, others by a number too."""
 
@@ -63,7 +64,13 @@ def surfaces_apart(touches: Touches) -> Iterator[Oddity]:
             places[match["place"]][number] = int((touches.session == number).sum())
     for place, parts in places.items():
         most = max(parts, key=lambda number: parts[number])
-        for number in (n for n in parts if n != most and parts[n] < FEWEST):
+        odd = [n for n in parts if n != most and parts[n] < FEWEST]
+        if len(odd) > MOST_TOLD:
+            what = f"met {len(odd)} other surfaces at the same place ({place}), each fewer than "
+            what += f"{FEWEST} times: it moved, or nothing tells these places apart"
+            yield Oddity(what, serials(touches, np.isin(touches.session, odd)))
+            continue
+        for number in odd:
             way = _position_mm(touches, number) - _position_mm(touches, most)
             what = f"met something {abs(way):.3g} mm away at the same place ({place})"
             rows = touches.session == number

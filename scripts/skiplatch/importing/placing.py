@@ -24,6 +24,11 @@ from skiplatch.units import ARCSEC_PER_DEG, UM_PER_MM
 SAME_SURFACE_MM = 0.6
 """Touches of one place that are closer than this have touched one surface, where the log does not
 say where the probe was sent."""
+FEWEST_BY_CHANCE = 10
+"""Surfaces, and touches that are near to another, from which on chance may have put them there."""
+NEAR_BY_CHANCE = 0.2
+"""Of `SAME_SURFACE_MM`, between neighbours in the middle; touches of one surface come nearer, and
+where touches lie anywhere it is near to a half."""
 STILL_K = 1.0
 """By which a temperature may vary and still be steady, as a heater keeps it."""
 NEAREST_TO_FRAME = ("frame", "chamber", "machine", "bed")
@@ -168,8 +173,19 @@ def _near(group: Sequence[Touch]) -> list[list[Touch]]:
         if (touch.coordinate or 0.0) - (last or 0.0) > SAME_SURFACE_MM:
             parts.append([])
         parts[-1].append(touch)
+    if _are_near_by_chance(known, len(parts)):
+        parts = [[touch] for touch in known]
     parts[0] += missed
     return parts
+
+
+def _are_near_by_chance(known: Sequence[Touch], surfaces: int) -> bool:
+    """Tell whether touches lie anywhere, so that those near to each other share no surface."""
+    ways_mm = np.diff([touch.coordinate or 0.0 for touch in known])
+    near_mm = ways_mm[ways_mm <= SAME_SURFACE_MM]
+    if min(surfaces, len(near_mm)) < FEWEST_BY_CHANCE:
+        return False
+    return bool(np.median(near_mm) > NEAR_BY_CHANCE * SAME_SURFACE_MM)
 
 
 def _reference(group: Sequence[Touch]) -> float:
