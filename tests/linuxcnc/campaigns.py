@@ -23,6 +23,8 @@ FEEDS_MM_MIN = (100, 300, 900, 1800, 3000)
 TOUCHES = 28
 """At each feed; half of them in each sense."""
 SPAN_MM = 40.0
+FACES_MM = {1: 11.2503, -1: -7.1301}
+"""Where the faces of a workpiece stand still, by the sense that meets them."""
 NOMINAL = """\
 format = "skiplatch-campaign/1"
 kind = "machine"
@@ -80,15 +82,17 @@ CONDITIONS = {
 }
 
 
-def plan(condition: Condition, seed: int) -> list[dict[str, float]]:
-    """Choose the touches: feeds, senses and places in any order."""
+def plan(condition: Condition, seed: int, *, has_faces: bool) -> list[dict[str, float]]:
+    """Choose the touches: feeds, senses and, where no face stands still, places in any order."""
     rng = np.random.default_rng(seed)
     touches = [(feed, 1 - 2 * (i % 2)) for feed in FEEDS_MM_MIN for i in range(TOUCHES)]
     return [
         {
             "feed": touches[i][0],
             "sense": touches[i][1],
-            "surface": round(float(rng.uniform(-SPAN_MM, SPAN_MM)), 6),
+            "surface": FACES_MM[touches[i][1]]
+            if has_faces
+            else round(float(rng.uniform(-SPAN_MM, SPAN_MM)), 6),
             "further": float(rng.uniform(0.0, 0.2)),
             "bounces": int(rng.random() < condition.bouncing),
             "bounce-us": round(float(rng.exponential(4000.0)), 3),
@@ -127,6 +131,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("names", nargs="*", choices=[*CONDITIONS, []])
     parser.add_argument("--out", type=Path, default=Path("build/linuxcnc/campaigns"))
+    parser.add_argument("--faces", action="store_true", help="touch two faces that stand still")
     arguments = parser.parse_args()
     if lack := missing():
         print(f"SKIPPED: linuxcnc: {lack}")
@@ -137,7 +142,8 @@ def main() -> int:
             continue
         folder = arguments.out / name
         shutil.rmtree(folder, ignore_errors=True)
-        run(folder, condition.mode, plan(condition, seed), condition.pins, condition.servo_ns)
+        touches = plan(condition, seed, has_faces=arguments.faces)
+        run(folder, condition.mode, touches, condition.pins, condition.servo_ns)
         print(f"{folder}: {write(folder, condition)} touches left out", flush=True)
     return 0
 
