@@ -83,7 +83,7 @@ def bent(campaign: Campaign) -> Campaign:
     return replace(campaign, touches=replace(touches, deviation_um=touches.deviation_um + more_um))
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_a_faint_second_effect_of_another_kind_is_named_beside_an_odd_form() -> None:
     scale = Effect("scale_error", {"scale_ppm": -60.0})
     lag = Effect("following_error", {"lag_us": 40.0})
@@ -226,7 +226,7 @@ def test_a_third_effect_is_named_beside_what_no_effect_explains() -> None:
     assert {one.observable for one in diagnosis.left} == {"position"}
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_what_two_effects_leave_of_their_own_streams_gets_no_third_one() -> None:
     campaign = thinned(played(BENCH, Effect("backlash", {"backlash_um": 6.0}), THREE[0]))
     touches = campaign.touches
