@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from diagnosed import found, groups
-from played_campaigns import BENCH, played, played_again, stamped_machine
+from played_campaigns import BENCH, played, played_again, stamped_machine, thinned
 from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.diagnosis import Verdict, diagnose
 from skiplatch.diagnosis.candidates.table import candidate
@@ -56,13 +56,19 @@ OTHERS = {
 """Effects that other tests name in a plainer form."""
 
 
-@pytest.mark.parametrize(
-    ("effect_id", "parameters"),
-    [
-        *(pytest.param(*each, marks=pytest.mark.long) for each in SOME.items()),
-        *(pytest.param(*each, marks=pytest.mark.nightly) for each in OTHERS.items()),
-    ],
-)
+@pytest.mark.long
+@pytest.mark.parametrize(("effect_id", "parameters"), SOME.items())
+def test_another_form_is_found_as_the_same_effect(
+    effect_id: str, parameters: Mapping[str, float]
+) -> None:
+    finding = found(thinned(simulated(Effect(effect_id, parameters))))
+
+    assert finding.model is not None
+    assert finding.model.ids == (effect_id,)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(("effect_id", "parameters"), {**SOME, **OTHERS}.items())
 def test_another_form_has_the_same_name(effect_id: str, parameters: Mapping[str, float]) -> None:
     diagnosis = diagnose(simulated(Effect(effect_id, parameters)), seed=1)
 
@@ -104,7 +110,7 @@ def test_axes_that_hardly_differ_are_told_apart_without_slack() -> None:
     assert found.parameters[0][:3] == pytest.approx([40.0, 0.0, -0.01], abs=1e-3)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_a_delay_with_a_tail_is_seen_beside_a_clock_that_follows_the_temperature() -> None:
     clock = Effect("timer_drift", {"drift_ppm": -20.0, "warmth_ppm_k": -2.0})
     delay = Effect("trigger_delay", {"delay_us": 10.0, "tail_us": 60.0})
@@ -165,7 +171,7 @@ def test_slack_is_a_share_of_a_shift_and_no_scatter_of_its_own() -> None:
     assert found.slack == 0.0
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_an_error_with_the_approach_gets_no_name() -> None:
     plain = simulated()
     off = plain.touches.deviation_um + 1.5 * plain.touches.approach_mm
