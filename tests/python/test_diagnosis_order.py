@@ -7,7 +7,14 @@ import pytest
 
 from scored_models import scored
 from skiplatch.diagnosis.fit.fit import Fit
-from skiplatch.diagnosis.search.decide import _extended, _from_further_on, from_next_best, several
+from skiplatch.diagnosis.search import decide
+from skiplatch.diagnosis.search.decide import (
+    Finding,
+    _extended,
+    _from_further_on,
+    from_next_best,
+    several,
+)
 from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.scored import Scored
 
@@ -58,6 +65,48 @@ def test_a_pair_passes_in_any_order_of_its_effects(
     found = from_next_best(judge, [best, wave], best, lambda _model: frozenset({"position"}))
 
     assert found == ([pair] if is_found else [])
+
+
+class Opening(Judged):
+    """Knows the best pair of each first effect, and no better form of these."""
+
+    def __init__(self, *pairs: Scored) -> None:
+        self._pairs = {pair.ids[0]: pair for pair in pairs}
+
+    def pairs(self, first: Scored, _streams: frozenset[str]) -> list[Scored]:
+        return [self._pairs[first.ids[0]]]
+
+    def again(self, _model: Fit, _position: int) -> Scored:
+        return scored(SCALE, nats=0.0)
+
+    def is_significant(self, _scored: Scored) -> bool:
+        return True
+
+    def is_enough(self, _larger: Scored, _smaller: Scored) -> bool:
+        return True
+
+    def believe_beside(self, _fit: Fit) -> None:
+        pass
+
+    def score(self, model: Fit) -> Scored:
+        return self._pairs[model.candidates[0].id]
+
+
+@pytest.mark.parametrize("leaves", [True, False])
+def test_another_first_effect_is_opened_where_the_pairs_of_the_best_leave_something(
+    leaves: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    best, lag = scored(SCALE, nats=400.0), scored(LAG, nats=390.0)
+    of_best, of_next = scored(SCALE, WAVE, nats=450.0), scored(LAG, HOLD, nats=500.0)
+    judge = cast(Judge, Opening(of_best, of_next))
+    monkeypatch.setattr(decide, "first_effects", lambda *_: [best, lag])
+    monkeypatch.setattr(decide, "beside_its_beliefs", lambda _judge, ranked: ranked)
+    monkeypatch.setattr(decide, "grown", lambda _judge, model, *_: Finding(model))
+
+    def noticed(model: Scored | None) -> frozenset[str]:
+        return frozenset({"position"} if leaves or model is not of_best else ())
+
+    assert decide._searched(judge, noticed).model is (of_next if leaves else of_best)
 
 
 def test_the_next_effect_is_asked_if_the_likeliest_is_a_form_of_the_others() -> None:

@@ -1,6 +1,6 @@
 """The laws that propose, against the simulator: nothing near the truth is much likelier than it."""
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -8,8 +8,11 @@ import pytest
 from scipy import stats
 
 from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machine
+from skiplatch.campaign import read_campaign
+from skiplatch.diagnosis.candidates.candidate import NO_SIZES
 from skiplatch.diagnosis.candidates.simulated import catalogue
 from skiplatch.diagnosis.candidates.surrogates import HALF_WAY
+from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.fit.as_effects import as_effects
 from skiplatch.diagnosis.fit.fit import Fit, fit, starts_of
@@ -159,3 +162,16 @@ def test_a_probe_scatters_in_time_by_the_real_speed(percent: float) -> None:
     slowest = stream.rows & (touches.feed_mm_min == touches.feed_mm_min.min())
     scatter_us = np.std(plays.latch_us[:, slowest], axis=0)
     assert np.median(law.spread[slowest]) == pytest.approx(np.median(scatter_us), rel=0.03)
+
+
+@pytest.mark.parametrize("effect_id", sorted(CANDIDATES))
+def test_a_size_beyond_its_range_does_what_the_end_of_the_range_does(effect_id: str) -> None:
+    scene, candidate = Scene.of(read_campaign(BENCH)), CANDIDATES[effect_id]
+    ends = np.array([p.high for p in effects()[effect_id].parameters])
+    is_size = np.array([p.unit not in NO_SIZES for p in effects()[effect_id].parameters])
+
+    last, beyond = (
+        candidate.acting(scene, np.where(is_size, over * ends, 0.5 * ends)) for over in (1.0, 3.0)
+    )
+
+    np.testing.assert_equal(asdict(beyond), asdict(last))

@@ -67,6 +67,8 @@ class Candidate:
     """Of a delay, the first parameter of which adds to it: what it is believed to take already."""
     like_datum: Callable[[Scene], frozenset[str]] = lambda _: frozenset()
     """Parameters that do to the touches what a datum does that may be anywhere."""
+    is_rough: bool = False
+    """Its likelihood is: of grids that wander as stamps do, each is told by other neighbours."""
     span: Span = ALWAYS
     """The touches at which it acts."""
 

@@ -153,6 +153,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             "scan_period",
             lambda _, p: Change(period_us=p[0]),
             scan_starts.scan_periods,
+            is_rough=True,
         ),
         Candidate(
             "scan_jitter",

@@ -162,6 +162,11 @@ class Target:
             widening *= NARROWER
         yield from FINEST
 
+    @property
+    def roughness(self) -> float:
+        """Nats by which a climb may end on a bump of the likelihood that says nothing."""
+        return WORTH_A_REFINEMENT if any(c.is_rough for c in self._candidates) else NATS
+
     def fit(self, values: FloatArray) -> Fit:
         """Give the effects with parameters, shape (p,)."""
         return Fit(self._candidates, _split(self._candidates, values), self._names, self.slack)
@@ -279,4 +284,4 @@ def fit_form(target: Target, begun: Sequence[FloatArray], widenings: Sequence[fl
         points = [*points, near, climb(target, near, widenings[-1])]
     best = min(points, key=lambda point: target(point, 0.0))
     # Where all of some range is as likely, a start may know where in it; a climb ends anywhere.
-    return near if target(near, 0.0) <= target(best, 0.0) + NATS else best
+    return near if target(near, 0.0) <= target(best, 0.0) + target.roughness else best

@@ -11,6 +11,7 @@
 #define REST       257u /* places over the period */
 #define EDGE       17u  /* places about an edge of the law */
 #define TICKS      4.0  /* to each side of 0 and of an edge */
+#define FARTHER    1.25 /* of a place from there is the next one, up to those over the period */
 #define MOST_TURNS 4.0  /* periods after which a late scan is not followed further */
 #define FEWEST     8.0  /* phases of late scans, as powers of 2 */
 #define MOST       13.0
@@ -32,24 +33,41 @@ static uint64_t put_evenly(double *where, uint64_t count, double middle, double 
     return count;
 }
 
-static uint64_t put_edge(double *where, double edge, double tick, double period)
+/* How many places, ever farther apart, lie to each side of what is tabulated closely. */
+static uint64_t farther_places(double tick, double period)
 {
-    if (fabs(edge) <= 0.0) {
-        return 0u;
+    double ratio = period / ((double)(REST - 1u) * TICKS * tick);
+    return ratio > 1.0 ? (uint64_t)ceil(log(ratio) / log(FARTHER)) : 0u;
+}
+
+/* Laws fall by orders of magnitude within a tick, or within hundreds: places lie as close to where
+ * they begin to as suits either, for the logarithm is taken as straight between two. */
+static uint64_t put_about(double *where, double middle, uint64_t close, double tick, double period)
+{
+    uint64_t count = put_evenly(where, close, middle, TICKS * tick);
+    double   away = TICKS * tick;
+    for (uint64_t k = farther_places(tick, period); k > 0u; --k) {
+        away *= FARTHER;
+        where[count++] = middle - away;
+        where[count++] = middle + away;
     }
-    uint64_t count = put_evenly(where, EDGE, edge, TICKS * tick); /* which may pass the end */
-    for (uint64_t k = 0; k < count; ++k) {
+    for (uint64_t k = 0; k < count; ++k) { /* which may pass the end */
         where[k] = folded(where[k], period);
     }
     return count;
+}
+
+static uint64_t put_edge(double *where, double edge, double tick, double period)
+{
+    return fabs(edge) > 0.0 ? put_about(where, edge, EDGE, tick, period) : 0u;
 }
 
 /* Put the places at which a law is tabulated, in their order: how many they are. */
 static uint64_t put_places(double *where, const sim_law_t *law, const sim_extra_t *extras,
                            uint32_t extra_count, double tick, double period)
 {
-    uint64_t n = put_evenly(where, PEAK, 0.0, TICKS * tick);
-    n += put_evenly(where + n, REST, 0.0, period / 2.0);
+    uint64_t n = put_evenly(where, REST, 0.0, period / 2.0);
+    n += put_about(where + n, 0.0, PEAK, tick, period);
     n += put_edge(where + n, law->offset, tick, period);
     n += put_edge(where + n, law->offset + law->box_a, tick, period);
     for (uint32_t k = 0; k < extra_count; ++k) {
@@ -82,7 +100,9 @@ static double log_at(const folded_law_t *law, double place)
 int make_table(grid_table_t *table, const sim_law_t *law, const sim_extra_t *extras,
                uint32_t extra_count, double tick, double resolution, double period)
 {
-    uint64_t     most = PEAK + REST + (extra_count + (uint64_t)1) * 2u * EDGE;
+    uint64_t     edges = (extra_count + (uint64_t)1) * 2u;
+    uint64_t     farther = (edges + 1u) * 2u * farther_places(tick, period);
+    uint64_t     most = PEAK + REST + edges * EDGE + farther;
     folded_law_t ready = {.parts = calloc(extra_count + (size_t)1, sizeof *ready.parts),
                           .count = extra_count + 1u,
                           .turns = turns_of(extras, extra_count, period),
