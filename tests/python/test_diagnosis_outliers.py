@@ -11,12 +11,12 @@ from played_campaigns import BENCH, MACHINE, played, thinned
 from skiplatch.arrays import BoolArray
 from skiplatch.campaign import Campaign, Touches, read_campaign
 from skiplatch.diagnosis import diagnose
-from skiplatch.diagnosis.plays.hidden import could_hide
 from skiplatch.diagnosis.plays.leftover import Beside
 from skiplatch.diagnosis.plays.look import Look
 from skiplatch.diagnosis.plays.outliers import gone_with, outliers
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.verdict.hidden import could_hide
 from skiplatch.diagnosis.verdict.verdict import Verdict
 from skiplatch.simulator.effects import Effect
 
@@ -216,6 +216,18 @@ def test_noise_beyond_what_is_played_hides_more() -> None:
     ]
 
     assert sizes[1] > 3.0 * sizes[0]
+
+
+def test_rounding_that_leaves_no_scatter_hides_a_step() -> None:
+    """Positions of a bench whose axis has no noise, and stamps that keep their grid."""
+    campaign = played(BENCH)
+    step_um, tick_us = campaign.nominal.axis.resolution_um, campaign.nominal.skip.tick_us
+
+    hidden = could_hide(Scene.of(campaign), Rig(campaign.nominal), seed=1)
+
+    assert hidden["deviation_um"].size == step_um
+    assert hidden["latch_off_scan_grid_us"].size == tick_us
+    assert all(one.size > 0.0 for one in hidden.values())
 
 
 def test_what_was_not_recorded_hides_nothing() -> None:

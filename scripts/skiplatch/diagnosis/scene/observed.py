@@ -65,5 +65,10 @@ def before_wait(
 
 def step(scene: Scene, name: str) -> float:
     """Give what an observable is rounded to, in its unit."""
+    return rounded_to(scene, UNITS[name])
+
+
+def rounded_to(scene: Scene, unit: str) -> float:
+    """Give what lengths or times are rounded to."""
     chain = scene.nominal
-    return chain.axis.resolution_um if UNITS[name] == "µm" else chain.skip.tick_us
+    return chain.axis.resolution_um if unit == "µm" else chain.skip.tick_us

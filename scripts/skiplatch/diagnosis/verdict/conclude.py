@@ -9,7 +9,6 @@ from scipy.special import logsumexp
 from skiplatch.arrays import BoolArray
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.likelihood.likelihood import affected
-from skiplatch.diagnosis.plays.hidden import Hidden, could_hide
 from skiplatch.diagnosis.plays.left import Left
 from skiplatch.diagnosis.plays.leftover import STREAMS
 from skiplatch.diagnosis.plays.outliers import gone_with, outliers
@@ -23,6 +22,7 @@ from skiplatch.diagnosis.verdict.chance import chance_of, is_chancy
 from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.gains import nats_of, shares_gained
 from skiplatch.diagnosis.verdict.guilty import without_guilty
+from skiplatch.diagnosis.verdict.hidden import Hidden, could_hide
 from skiplatch.diagnosis.verdict.named import Named, is_vague, named, open_sizes
 from skiplatch.diagnosis.verdict.rules import NAMES
 from skiplatch.diagnosis.verdict.shrink import Gap, PlayedRigs

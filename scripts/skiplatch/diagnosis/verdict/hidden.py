@@ -7,17 +7,21 @@ import numpy as np
 from scipy import stats
 
 from skiplatch.arrays import FloatArray
-from skiplatch.comparison.observables import OBSERVABLES
 from skiplatch.diagnosis.plays.left import SIGNIFICANT
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.plays.setting import Setting
 from skiplatch.diagnosis.scene.covariates import varying
+from skiplatch.diagnosis.scene.observed import rounded_to
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.verdict.gap_observables import observables
 
 POWER = 0.95
 """Chance with which a larger one would have been seen."""
 PLAYS = 30
 FEWEST = 4
+SPREADS_A_STEP = 0.3
+"""Scatter over the step of rounding from which on means are known more closely than the step: they
+are off by a twentieth of it at the most (Widrow and Kollár, Quantization Noise, 2008)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +31,7 @@ class Hidden:
     Attributes:
         size: Of a shift of half of the touches of a path against the other half, in the
             observable's unit: one that goes with a recorded condition and is larger would have been
-            left significantly with 95 %.
+            left significantly with 95 %. Where rounding leaves no scatter, that is a whole step.
         relative: The same over the scatter of a touch.
     """
 
@@ -40,7 +44,7 @@ def could_hide(scene: Scene, rig: Rig, *, seed: int) -> Mapping[str, Hidden]:
     outcomes = rig.play(scene.touches, seed=seed, replicates=PLAYS)
     setting = Setting(scene, seed)
     found = {}
-    for observable in OBSERVABLES:
+    for observable in observables(scene, rig):
         recorded = observable.values(scene.touches, scene.contact)
         played = observable.values(outcomes, scene.contact)
         known = ~np.isnan(recorded) & ~np.isnan(played).all(axis=0)
@@ -50,6 +54,7 @@ def could_hide(scene: Scene, rig: Rig, *, seed: int) -> Mapping[str, Hidden]:
                 (recorded - _middle(played))[rows],
                 played[:, rows],
                 _errors(int(rows.sum()), len(varying(setting.known, rows))),
+                rounded_to(scene, observable.unit),
             )
             for rows in paths
             if rows.sum() >= FEWEST
@@ -73,9 +78,10 @@ def _errors(touches: int, conditions: int) -> float:
     return least + float(stats.norm.ppf(POWER)) * float(np.sqrt(1.0 + least**2 / (2.0 * freedom)))
 
 
-def _hidden(off: FloatArray, played: FloatArray, errors: float) -> Hidden:
+def _hidden(off: FloatArray, played: FloatArray, errors: float, step: float) -> Hidden:
     """Two halves of n touches differ by chance by twice the scatter over the root of n."""
-    noise = float(np.sqrt(np.nanmedian(np.nanvar(played, axis=0)) + 1e-12))
+    noise = float(np.sqrt(np.nanmedian(np.nanvar(played, axis=0))))
     scatter = max(noise, float(stats.median_abs_deviation(off, scale="normal")))
-    size = errors * 2.0 * scatter / float(np.sqrt(len(off)))
-    return Hidden(size, size / scatter)
+    relative = errors * 2.0 / float(np.sqrt(len(off)))
+    is_rounded_away = scatter < SPREADS_A_STEP * step
+    return Hidden(step if is_rounded_away else relative * scatter, relative)
