@@ -579,6 +579,16 @@ def test_what_could_hide_at_a_rotary_axis_is_told_in_arcsec() -> None:
     assert re.search(r"deviation_arcsec +arcsec +7\.2\n", said)
 
 
+def test_where_a_surface_lies_is_told_to_a_nanometre() -> None:
+    _, diagnosis = of_axes(all_turn=False)
+    datum = FittedDatum(coordinate_um={"X": 1.72e-6, "Y": -0.612_34})
+
+    said = as_text(replace(diagnosis, rig=replace(diagnosis.rig, datum=datum)))
+
+    assert re.search(r"X\.coordinate_um +0 +0\n", said)
+    assert re.search(r"Y\.coordinate_um +0 +-0\.612\n", said)
+
+
 @pytest.mark.usefixtures("unrendered")
 def test_linear_and_rotary_axes_of_a_campaign_have_pictures_in_their_own_units() -> None:
     campaign, diagnosis = of_axes(all_turn=False)

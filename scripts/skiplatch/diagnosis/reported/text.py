@@ -26,6 +26,8 @@ VERDICTS = {
 }
 HALF = 0.5
 """Standard uncertainties by which a belief has to move to be told."""
+DATUM_DECIMALS = 3
+"""Of a µm or an arcsec, to which it is told where a surface lies: rounding leaves ever less."""
 MOST_LISTED = 12
 
 
@@ -151,7 +153,8 @@ def _moved(diagnosis: Diagnosis) -> list[tuple[str, str, str]]:
     ]
     data = {name: entry["value"] for name, entry in datum_json(diagnosis.rig.datum).items()}
     told = datum_told(data, diagnosis.ways)
-    return rows + [(name, "0", number(value, 3)) for name, value in told.items()]
+    where = {name: number(round(value, DATUM_DECIMALS), 3) for name, value in told.items()}
+    return rows + [(name, "0", lies) for name, lies in where.items()]
 
 
 def _size(size: float, unit: str) -> str:
