@@ -281,6 +281,16 @@ def test_wrong_time_stamps_are_told(tmp_path: Path, stamps: tuple[str, str], mes
     assert message in said
 
 
+@pytest.mark.parametrize(
+    ("cell", "ending"),
+    [("2026-03-01T14:00:10", '"; dates and times go in a column "time"'), ("soon", '"soon"')],
+)
+def test_where_dates_go_is_told_in_the_column_of_seconds(
+    tmp_path: Path, cell: str, ending: str
+) -> None:
+    assert refusal(touches, tmp_path, f"touch,time_s\n1,{cell}\n").endswith(ending)
+
+
 NEAT = "touch,path,axis,deviation_um,session\n1,plc,X,12.5,a b\n2,skip,Y,,c\n"
 
 

@@ -25,7 +25,7 @@ from skiplatch.campaign.columns import (
 from skiplatch.campaign.csv_text import DELIMITERS, Row, read_rows
 from skiplatch.campaign.missing import warn_missing
 from skiplatch.campaign.nominal import Nominal
-from skiplatch.campaign.time_stamps import TIME_NAME, seconds
+from skiplatch.campaign.time_stamps import TIME_NAME, belongs_elsewhere, seconds
 from skiplatch.campaign.touches import Touches
 from skiplatch.campaign.unsaid_path import unsaid_path
 from skiplatch.errors import CampaignWarning, InputError, hint, quoted
@@ -188,8 +188,9 @@ class _Table:
                 is_required = name in self.required
                 values[name] = _column(name).parse(cells[position], required=is_required)
             except CellError as error:
+                hint = belongs_elsewhere(name, cells[position][error.index])
                 line = lines[error.index]
-                errors.append(InputError(self.path, line, name, error.message))
+                errors.append(InputError(self.path, line, name, error.message + hint))
         if errors:
             raise min(errors, key=lambda error: error.line or 0)
         return np.array(lines), values

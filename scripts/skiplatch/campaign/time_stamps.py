@@ -38,13 +38,25 @@ def seconds(path: Path, lines: Values, stamps: Values) -> FloatArray:
     return np.array([(time - zero).total_seconds() if time else np.nan for time in times])
 
 
+def belongs_elsewhere(name: str, cell: str) -> str:
+    """Say where a date and time goes that stands in a column of seconds; empty for any other."""
+    is_stamp = name == "time_s" and _parsed(cell) is not None
+    return f'; dates and times go in a column "{TIME_NAME}"' if is_stamp else ""
+
+
 def _time(path: Path, line: int, text: str) -> datetime | None:
     if not text:
         return None
+    if (time := _parsed(text)) is None:
+        raise InputError(path, line, TIME_NAME, f"expected {EXPECTED}, got {quoted(text)}")
+    return time
+
+
+def _parsed(text: str) -> datetime | None:
     try:
         time = datetime.fromisoformat(text)
         if len(text) > DATE_CHARACTERS:
             return time.astimezone(UTC) if time.tzinfo is not None else time
     except (ValueError, OverflowError):
         pass
-    raise InputError(path, line, TIME_NAME, f"expected {EXPECTED}, got {quoted(text)}")
+    return None
