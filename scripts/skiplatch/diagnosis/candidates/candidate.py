@@ -68,7 +68,7 @@ class Candidate:
     like_datum: Callable[[Scene], frozenset[str]] = lambda _: frozenset()
     """Parameters that do to the touches what a datum does that may be anywhere."""
     is_rough: bool = False
-    """Its likelihood is: of grids that wander as stamps do, each is told by other neighbours."""
+    """Its likelihood is, where stamps tell: of grids that may wander each has other neighbours."""
     span: Span = ALWAYS
     """The touches at which it acts."""
 

@@ -165,7 +165,8 @@ class Target:
     @property
     def roughness(self) -> float:
         """Nats by which a climb may end on a bump of the likelihood that says nothing."""
-        return WORTH_A_REFINEMENT if any(c.is_rough for c in self._candidates) else NATS
+        is_rough = LATTICE in self._names and any(c.is_rough for c in self._candidates)
+        return WORTH_A_REFINEMENT if is_rough else NATS
 
     def fit(self, values: FloatArray) -> Fit:
         """Give the effects with parameters, shape (p,)."""
