@@ -52,7 +52,7 @@ static bool is_nearest(double off)
  * other value if lines are far apart. */
 static bool is_down(const lines_t *lines, double off)
 {
-    bool are_apart = lines->coarse >= SIM_LINES_APART * lines->fine;
+    bool are_apart = lines->coarse >= (double)SIM_LINES_APART * lines->fine;
     return off > (are_apart ? -1.0 - ROUNDING : ROUNDING - 1.0) && off < ROUNDING;
 }
 
