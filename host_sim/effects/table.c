@@ -77,7 +77,7 @@ static const sim_effect_t EFFECTS[] = {
        {"warmth_ppm_k", "ppm/K", "change of the drift with the temperature", -1000.0, 1000.0}}},
      SIM_CLOCK, effect_timer_drift},
     {{"scan_period", "scan", "plc", "the scan period differs from the believed one",
-      {{"period_us", "µs", "real minus believed period", -10000.0, 20000.0}}},
+      {{"period_us", "µs", "real minus believed period", -10000.0, 100000.0}}},
      SIM_SCAN_PERIOD, effect_scan_period},
     {{"scan_jitter", "scan", "plc", "every scan begins late by a varying time",
       {{"jitter_us", "µs", "span of the uniform lateness", 0.0, 20000.0},
