@@ -188,9 +188,9 @@ class _Table:
                 is_required = name in self.required
                 values[name] = _column(name).parse(cells[position], required=is_required)
             except CellError as error:
-                hint = belongs_elsewhere(name, cells[position][error.index])
+                elsewhere = belongs_elsewhere(name, cells[position][error.index])
                 line = lines[error.index]
-                errors.append(InputError(self.path, line, name, error.message + hint))
+                errors.append(InputError(self.path, line, name, error.message + elsewhere))
         if errors:
             raise min(errors, key=lambda error: error.line or 0)
         return np.array(lines), values

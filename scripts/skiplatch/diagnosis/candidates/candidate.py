@@ -101,11 +101,7 @@ class Candidate:
 
     def is_possible(self, scene: Scene, parameters: Parameters) -> bool:
         """Tell whether no size is beyond its range, and nothing comes before its cause."""
-        if any(
-            abs(value) > max(abs(p.low), abs(p.high))
-            for p, value in zip(effects()[self.id].parameters, parameters, strict=True)
-            if p.unit not in NO_SIZES
-        ):
+        if (np.abs(parameters) > np.abs(_ranges_of(self.id)).max(axis=0)).any():
             return False
         if self.believed_us is None:
             return True

@@ -125,7 +125,7 @@ def _makes_possible(scene: Scene, stream: Stream, law: Law) -> bool:
 
 def _outside(scene: Scene, stream: Stream, law: Law) -> BoolArray:
     """Tell which touches lie beyond the edges of a law, shape (n,); its extras may be later."""
-    margin = ERRORS * law.sigma + rounding_step(scene, stream)
+    margin = ERRORS * law.sigma + rounding_step(scene, stream.unit)
     off = stream.residuals - law.offset
     latest = law.box_a + law.box_b + margin + sum(map(_latest, law.extras))
     is_open = np.any([np.asarray(extra.mean) < 0.0 for extra in law.extras], axis=0)
@@ -141,7 +141,7 @@ def _latest(extra: Extra) -> FloatArray:
 
 def _is_resolved(scene: Scene, stream: Stream, shift: FloatArray, scatter: FloatArray) -> bool:
     """Tell whether rounding lets see what it is off by: shift and scatter of shape (rows,)."""
-    step = rounding_step(scene, stream)
+    step = rounding_step(scene, stream.unit)
     tick = scene.nominal.skip.tick_us
     ticks = scene.speed[stream.rows] * tick if stream.unit != MICROSECONDS else tick
     return _rms(scatter) > ROUNDING * step or bool(np.any(shift > RESOLVED * step + ticks))

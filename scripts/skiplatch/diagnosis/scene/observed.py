@@ -7,7 +7,7 @@ import numpy as np
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.comparison.observables import Recorded
 from skiplatch.diagnosis.scene.grid import off_grid
-from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.scene.scene import Scene, rounding_step
 
 UNITS: Mapping[str, str] = {
     "edge": "µs",
@@ -65,10 +65,4 @@ def before_wait(
 
 def step(scene: Scene, name: str) -> float:
     """Give what an observable is rounded to, in its unit."""
-    return rounded_to(scene, UNITS[name])
-
-
-def rounded_to(scene: Scene, unit: str) -> float:
-    """Give what lengths or times are rounded to."""
-    chain = scene.nominal
-    return chain.axis.resolution_um if unit == "µm" else chain.skip.tick_us
+    return rounding_step(scene, UNITS[name])

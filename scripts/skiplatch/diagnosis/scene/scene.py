@@ -191,8 +191,8 @@ def _unpacked(packed: bytes) -> Scene:
     return Scene(*pickle.loads(packed))  # noqa: S301 - packed by the process that asked
 
 
-def rounding_step(scene: Scene, stream: Stream) -> float:
-    """What the residuals of a stream are rounded to, in its unit."""
-    if stream.unit == "µs":
+def rounding_step(scene: Scene, unit: str) -> float:
+    """Give what times, in µs, or lengths, in µm, are rounded to."""
+    if unit == "µs":
         return scene.nominal.skip.tick_us
     return scene.nominal.axis.resolution_um

@@ -11,8 +11,7 @@ from skiplatch.diagnosis.plays.left import SIGNIFICANT
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.plays.setting import Setting
 from skiplatch.diagnosis.scene.covariates import varying
-from skiplatch.diagnosis.scene.observed import rounded_to
-from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.scene.scene import Scene, rounding_step
 from skiplatch.diagnosis.verdict.gap_observables import observables
 
 POWER = 0.95
@@ -54,7 +53,7 @@ def could_hide(scene: Scene, rig: Rig, *, seed: int) -> Mapping[str, Hidden]:
                 (recorded - _middle(played))[rows],
                 played[:, rows],
                 _errors(int(rows.sum()), len(varying(setting.known, rows))),
-                rounded_to(scene, observable.unit),
+                rounding_step(scene, observable.unit),
             )
             for rows in paths
             if rows.sum() >= FEWEST

@@ -24,7 +24,7 @@ from skiplatch.comparison.gap import RESOLVABLE
 from skiplatch.comparison.observables import OBSERVABLES, Observable
 from skiplatch.diagnosis.plays.playing import Folds, Rig
 from skiplatch.diagnosis.scene.observed import before_wait
-from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.scene.scene import Scene, rounding_step
 from skiplatch.diagnosis.verdict.cell_scores import Cell, CellScores, Ensemble
 from skiplatch.diagnosis.verdict.gap_observables import observables
 from skiplatch.diagnosis.verdict.luck import is_no_luck, may_be_luck, tightness
@@ -165,10 +165,7 @@ def _play(scene: Scene, rig: Rig | Folds, seed: int, jobs: int) -> Outcomes:
 
 def _least(scene: Scene, observable: Observable) -> float:
     """Give the noise floor of what is known but for its rounding."""
-    is_length = observable.unit == "µm"
-    return ROUNDING * (
-        scene.nominal.axis.resolution_um if is_length else scene.nominal.skip.tick_us
-    )
+    return ROUNDING * rounding_step(scene, observable.unit)
 
 
 def _cells_within(
