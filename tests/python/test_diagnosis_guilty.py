@@ -20,7 +20,7 @@ from skiplatch.diagnosis.verdict.guilty import SHOWN_IN, without_guilty
 from skiplatch.diagnosis.verdict.named import _at_limit, _unrepeated, _unset
 from skiplatch.diagnosis.verdict.shrink import PlayedRigs
 from skiplatch.simulator.effects import Effect, effects
-from verdict_evidence import gap, left
+from verdict_evidence import GROWING, gap, left
 
 LATE = Effect("isr_latency", {"latency_us": 6.0, "jitter_us": 5.0})
 REPORT = Effect("report_delay", {"delay_us": 300.0})
@@ -61,6 +61,8 @@ def _sizes(names: tuple[str, ...], effect: Effect) -> np.ndarray:
         (Evidence(vague=["isr_latency"]), "report_delay"),
         (Evidence(everywhere={"latch_after_edge_us": gap(0.9, tightness=0.1)}), "report_delay"),
         (Evidence(gaps={"deviation_um": gap(0.9, tightness=0.1)}), "report_delay"),
+        (Evidence(everywhere={"report_after_latch_us": GROWING}), "isr_latency"),
+        (Evidence(gaps={"latch_after_edge_us": GROWING}), "report_delay"),
     ],
 )
 def test_the_other_is_kept(judged: tuple[Judge, Finding], evidence: Evidence, kept: str) -> None:
@@ -84,6 +86,22 @@ def test_the_other_is_kept(judged: tuple[Judge, Finding], evidence: Evidence, ke
 )
 def test_nothing_is_taken_out(judged: tuple[Judge, Finding], evidence: Evidence) -> None:
     assert without_guilty(*judged, evidence, nowhere) is None
+
+
+def test_where_a_gap_grows_the_one_that_is_missed_least_is_taken_out(scene: Scene) -> None:
+    """Both act on the latch: what is there does not answer for what came in beside it."""
+    judge = Judge(scene, split(len(scene), 1))
+    late, drift = CANDIDATES[LATE.id], CANDIDATES["timer_drift"]
+    sizes = (_sizes(drift.names, Effect(drift.id, {"drift_ppm": 1.0})), _sizes(late.names, LATE))
+    model = judge.score(Fit((drift, late), sizes, frozenset({"latch_skip"})))
+    assert all(judge.reaches(model, i) & {"latch_skip"} for i in (0, 1))
+    growing = Evidence(gaps={"latch_after_edge_us": GROWING})
+
+    found = without_guilty(judge, Finding(model), growing, nowhere)
+
+    assert found is not None
+    assert found.model is not None
+    assert found.model.ids == (LATE.id,)
 
 
 def test_where_all_scatter_what_does_not_is_looked_for() -> None:

@@ -13,7 +13,7 @@ from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.scored import Noticed, Scored
 from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.mostly import mostly_left
-from skiplatch.diagnosis.verdict.rules import gains_too_little, told_of_chance, too_wide
+from skiplatch.diagnosis.verdict.rules import gains_too_little, growing, told_of_chance, too_wide
 
 SHOWN_IN: Mapping[str, frozenset[str]] = {
     "deviation_um": frozenset((*STREAMS["position"], *STREAMS["latch"])),
@@ -33,8 +33,9 @@ def without_guilty(
 
     They are those that gain too little; or that are at a limit; or that may be almost anything; or
     that undo each other; or that scatter where their chance can be told, or where the record does
-    so far less; or that change anything at all where much of what there was is left. Where all of
-    them scatter so, whatever else scatters there would stand for the same, and hides what does not.
+    so far less; or that change anything at all where much of what there was is left; or the one
+    that is missed least, of those that change what a gap grows in. Where all of them scatter so,
+    whatever else scatters there would stand for the same, and hides what does not.
 
     Args:
         judge: Fits what is left of the finding anew.
@@ -86,3 +87,6 @@ def _accused(judge: Judge, model: Scored, evidence: Evidence) -> Iterator[list[i
     ):
         there = frozenset[str]().union(*streams)
         yield [i for i in range(len(model.ids)) if acts(model, i) & there]
+    there = frozenset[str]().union(*(SHOWN_IN[name] for name in growing(evidence)))
+    acting = [i for i in range(len(model.ids)) if judge.reaches(model, i) & there]
+    yield sorted(acting, key=lambda i: -judge.without(model, i).score)[:1]

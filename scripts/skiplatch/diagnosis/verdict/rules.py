@@ -135,8 +135,13 @@ def _share_gone(evidence: Evidence, was: Left) -> float:
     return 1.0 - now / was.relative
 
 
+def growing(evidence: Evidence) -> list[str]:
+    """Name the observables whose gap is larger beside a finding than beside the beliefs."""
+    return _seen_where(evidence, lambda gap: gap.grows)
+
+
 def _grows_nowhere(evidence: Evidence, _: float) -> str:
-    return _listed("the gap grows", _seen_where(evidence, lambda gap: gap.grows))
+    return _listed("the gap grows", growing(evidence))
 
 
 def too_wide(evidence: Evidence, threshold: float = TIGHTEST) -> list[str]:
