@@ -50,3 +50,22 @@ def test_lobes_that_fall_with_the_elevation_are_no_backlash() -> None:
         return likelihood(scene, found.change(scene)).total
 
     assert nats("pretravel_lobing") > nats("backlash") + 100.0
+
+
+@pytest.mark.parametrize(
+    ("directions", "are_told"),
+    [(8, set()), (16, {"second_um"}), (24, {"second_um", "third_um"})],
+)
+def test_further_orders_of_lobes_are_told_by_azimuths_that_take_them_for_no_others(
+    directions: int, are_told: set[str]
+) -> None:
+    """At eight azimuths nine lobes look like one: a backlash makes something like it."""
+    machine = read_campaign(MACHINE)
+    alpha_deg = 360.0 / directions * (np.arange(len(machine.touches)) % directions)
+    flat = np.zeros(len(alpha_deg))
+    touches = replace(machine.touches, alpha_deg=np.asarray(alpha_deg), beta_deg=flat)
+
+    lobes = CANDIDATES["pretravel_lobing"]
+    taken_up = {lobes.names[i] for i in lobes.taken_up(scene_of(replace(machine, touches=touches)))}
+
+    assert taken_up == {"second_um", "third_um", "elevation_power"} - are_told

@@ -5,16 +5,16 @@ from collections.abc import Callable
 import numpy as np
 
 from skiplatch.arrays import FloatArray
+from skiplatch.diagnosis.scene.nominal_chain import FALLEN, LOBES
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import effects
+from skiplatch.units import DEG_PER_TURN
 
 MICROSECONDS, POSITION = "µs", "position"
 FEWEST_AZIMUTHS = 7
 """Directions, to a degree, that show three lobes in a turn: two each and one more (Nyquist)."""
 FEWEST_TOLD_APART = 4
 """The same where something else tells them from backlash: both senses of two axes."""
-FALLEN = 0.1
-"""Share of the lobes by which they have to differ with the elevation."""
 
 
 def acts(effect_id: str, scene: Scene) -> bool:
@@ -56,11 +56,21 @@ def shows_lobes(scene: Scene) -> bool:
 
     But lobes make a trigger late, and fall with the elevation. Backlash does neither.
     """
-    touches = scene.touches
-    falls = np.cos(np.radians(np.nan_to_num(touches.beta_deg)))
-    sides = ~np.isnan(touches.alpha_deg) & (falls > FALLEN)
+    sides = scene.is_sideways
     if not scene.is_machine or not sides.any():
         return False
-    is_told_apart = scene.has_stamps.any() or np.ptp(falls[sides]) > FALLEN
+    is_told_apart = scene.has_stamps.any() or shows_elevations(scene)
     fewest = FEWEST_TOLD_APART if is_told_apart else FEWEST_AZIMUTHS
-    return len(np.unique(np.round(touches.alpha_deg[sides]))) >= fewest
+    return len(np.unique(np.round(scene.touches.alpha_deg[sides]))) >= fewest
+
+
+def shows_elevations(scene: Scene) -> bool:
+    """Tell whether lobes may be seen to fall with the elevation."""
+    there = scene.cos_beta[scene.is_sideways]
+    return bool(len(there) and np.ptp(there) > FALLEN)
+
+
+def shows_orders(times: float) -> Callable[[Scene], bool]:
+    """Tell whether azimuths show so many times three lobes, and take them for no others."""
+    period_deg = DEG_PER_TURN / LOBES / times
+    return lambda scene: (scene.whole or scene).shortest_lobe_deg <= period_deg

@@ -8,7 +8,7 @@ import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Nominal
-from skiplatch.diagnosis.candidates.applicable import varies
+from skiplatch.diagnosis.candidates.applicable import shows_elevations, shows_orders, varies
 from skiplatch.diagnosis.candidates.first_axis import first_of_its_own
 from skiplatch.diagnosis.candidates.positions import surfaces_show
 from skiplatch.diagnosis.candidates.starts import Starts
@@ -28,8 +28,13 @@ MOVES_SURFACE = "moves_surface"
 """The parameter by which an error of the position is one of the surface."""
 NO_SIZES = ("deg", "1")
 """Units of angles, shares and switches."""
-TOLD_BY = {"expansion_ppm_k": "position_mm"}
-"""Columns that have to vary for a parameter to be told from another one."""
+TOLD_BY: Mapping[str, Callable[[Scene], bool]] = {
+    "expansion_ppm_k": varies("position_mm"),
+    "second_um": shows_orders(2.0),
+    "third_um": shows_orders(3.0),
+    "elevation_power": shows_elevations,
+}
+"""Whether touches vary so that a parameter is told from another one."""
 
 
 @cache
@@ -93,7 +98,7 @@ class Candidate:
         is_free = scene.datum_groups is not None and scene.datum_u_um is None
         is_anywhere = is_free and self.span == ALWAYS
         taken = first_of_its_own(scene.touches) & set(self.names)
-        taken |= {n for n in TOLD_BY.keys() & set(self.names) if not varies(TOLD_BY[n])(scene)}
+        taken |= {n for n in TOLD_BY.keys() & set(self.names) if not TOLD_BY[n](scene)}
         taken |= set() if surfaces_show(scene) else {MOVES_SURFACE} & set(self.names)
         if is_anywhere:
             taken |= self.like_datum(scene)

@@ -75,7 +75,8 @@ def feed_error(scene: Scene, p: Parameters) -> Change:
 
 def unfinished(scene: Scene, p: Parameters) -> Change:
     """The axis accelerates more slowly, at some feeds more so than at others."""
-    by_feed = (scene.touches.feed_mm_min / MM_PER_M) ** p[1]
+    with np.errstate(over="ignore"):  # a power without bounds ends at the bounds of the ratio
+        by_feed = (scene.touches.feed_mm_min / MM_PER_M) ** p[1]
     least = parameter_of("unfinished_acceleration", "accel_ratio").low
     ratio = np.clip(p[0] * by_feed, least, 1.0)
     return _other_motion(scene, 1.0, scene.nominal.axis.accel_mm_s2 * ratio)

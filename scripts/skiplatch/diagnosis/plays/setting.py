@@ -13,8 +13,8 @@ from skiplatch.diagnosis.scene.covariates import (
     recorded_only,
     sequence,
 )
-from skiplatch.diagnosis.scene.nominal_chain import spacing
 from skiplatch.diagnosis.scene.observed import UNITS
+from skiplatch.diagnosis.scene.periodogram import shortest_wave
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.units import US_PER_S
 
@@ -98,7 +98,7 @@ class Setting:
             found += [Place("position", "mm", position, s, shortest_mm) for s in (along, sign)]
         for name, unit in ALONG.items():
             values = self.known.get(name)
-            if values is not None and np.isfinite(shortest := 2.0 * spacing(values)):
+            if values is not None and np.isfinite(shortest := shortest_wave(values)):
                 found.append(Place(name, unit, values, along, shortest))
         return found
 

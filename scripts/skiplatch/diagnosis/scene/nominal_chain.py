@@ -9,16 +9,14 @@ import numpy as np
 from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.campaign import Axis, InputPath, Kind, Nominal, Status, Touches
 from skiplatch.diagnosis.scene.grid import off_grid
+from skiplatch.diagnosis.scene.periodogram import shortest_wave
 from skiplatch.motion import Contact, expected_contact
 from skiplatch.simulator.playing import warmths_k
 from skiplatch.units import UM_PER_MM, UM_US_PER_MM_S
 
 LOBES = 3.0
-FEWEST_POSITIONS = 8
-"""Distinct positions that tell a wave: it has amplitude, phase, period and mean."""
-DISTINCT_DIGITS = 2
-CLOSE = 0.1
-"""Share of the gaps between distinct positions that are smaller than what counts as spacing."""
+FALLEN = 0.1
+"""Cosine of the elevation, or share of the lobes by which they differ with it, that shows them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +173,17 @@ class NominalChain:
     @cached_property
     def shortest_wave_mm(self) -> float:
         """Shortest period that the positions can show; infinite for too few of them."""
-        return 2.0 * spacing(self.touches.position_mm)
+        return shortest_wave(self.touches.position_mm)
+
+    @cached_property
+    def is_sideways(self) -> BoolArray:
+        """The stylus is pushed to a side that is known, where lobes show; shape (n,)."""
+        return ~np.isnan(self.touches.alpha_deg) & (self.cos_beta > FALLEN)
+
+    @cached_property
+    def shortest_lobe_deg(self) -> float:
+        """Shortest period that the azimuths can show; infinite for too few of them."""
+        return shortest_wave(self.touches.alpha_deg[self.is_sideways])
 
     @cached_property
     def has_stamps(self) -> BoolArray:
@@ -196,14 +204,3 @@ class NominalChain:
             if self.is_machine
             else np.where(np.isnan(edge), self.contact.time_us, edge)
         )
-
-
-def spacing(values: FloatArray) -> float:
-    """Give how far apart distinct values lie, where they are close; infinite for too few.
-
-    No wave of less than twice that can be told from a longer one.
-    """
-    distinct = np.unique(np.round(values[~np.isnan(values)], DISTINCT_DIGITS))
-    if len(distinct) < FEWEST_POSITIONS:
-        return np.inf
-    return float(np.quantile(np.diff(distinct), CLOSE))

@@ -5,12 +5,50 @@ from scipy import fft
 
 from skiplatch.arrays import FloatArray
 
-FINE = (32, 5.0)
-"""Cells of the shortest wave, on which the positions are put, and frequencies within the width of
-a peak, which is one over the span."""
+FREQUENCIES_A_PEAK = 5.0
+"""Within the width of a peak, which is one over the span."""
+FINE = (32, FREQUENCIES_A_PEAK)
+"""Cells of the shortest wave, on which the positions are put, and frequencies within a peak."""
 COARSE = (4, 3.0)
 """The same of very many waves: they see 0.9 of the amplitude."""
 SMALLEST = 1e-9
+FEWEST_VALUES = 8
+"""Distinct values that tell a wave: it has amplitude, phase, period and mean."""
+DISTINCT_DIGITS = 2
+ALIKE = 0.5
+"""Share of a wave's variance from which on another one, at the values that there are, is its
+alias."""
+CELLS_OF_WINDOW = 8
+MOST_BETWEEN = 16.0
+"""Waves between two values, on an average, that are looked for."""
+
+
+def shortest_wave(values: FloatArray) -> float:
+    """Give the shortest wave that values, shape (n,), tell from all longer ones.
+
+    Two frequencies look alike where the spectral window of the values is high at what they are
+    apart: of even values that is twice their spacing, of values that lie anywhere far less (Eyer
+    and Bartholdi, Astronomy and Astrophysics Supplement 135 (1999) 1).
+
+    Returns:
+        In the unit of the values; infinite for too few.
+    """
+    distinct = np.unique(np.round(values[~np.isnan(values)], DISTINCT_DIGITS))
+    if len(distinct) < FEWEST_VALUES:
+        return np.inf
+    span = float(np.ptp(distinct))
+    fastest = MOST_BETWEEN * len(distinct) / span
+    cell = 1.0 / (CELLS_OF_WINDOW * 2.0 * fastest)
+    length = fft.next_fast_len(int(np.ceil(FREQUENCIES_A_PEAK * span / cell)) + 1, real=True)
+    where = np.rint((distinct - distinct[0]) / cell).astype(np.intp)
+    window = np.abs(fft.rfft(np.bincount(where, minlength=length)) / len(distinct)) ** 2
+    is_alike = window[: int(2.0 * fastest * length * cell) + 1] > ALIKE
+    if is_alike.all():
+        return np.inf
+    # Frequencies nearer than the width of a peak are one.
+    first = int(np.argmin(is_alike))
+    aliases = np.flatnonzero(is_alike[first:])
+    return 2.0 * length * cell / (first + int(aliases[0])) if len(aliases) else 1.0 / fastest
 
 
 def explained_by_sines(

@@ -26,7 +26,8 @@ from skiplatch.diagnosis.scene.nominal_streams import nominal_streams
 OF_TOUCHES = frozenset(
     {
         *("is_machine", "plc", "sign", "latched_mm", "false", "has_stamps", "shortest_wave_mm"),
-        *("alpha", "alpha_before", "cos_beta", "rest_s", "follows", "_axes_beyond_x"),
+        *("alpha", "alpha_before", "cos_beta", "is_sideways", "shortest_lobe_deg"),
+        *("rest_s", "follows", "_axes_beyond_x"),
     }
 )
 """Cached properties of a scene that no number of nominal.toml changes."""
