@@ -26,11 +26,20 @@ def test_an_effect_is_exchanged_for_one_that_is_not_told_from_it() -> None:
     assert other.confidences == (0.8, 0.9)
 
 
-def test_what_is_told_by_less_than_a_surrogate_is_off_by_stands_alone() -> None:
-    """3 % of a thousand nats; it is no alternative, and has none."""
-    (other,) = instead(found(scored(BLOCKED, "scan_overrun", nats=975.0), nats=1000.0))
+def test_what_is_near_by_what_a_surrogate_is_off_by_is_tied_with_what_is_as_near() -> None:
+    """3 % of a thousand nats; with what comes as near as it, it is tied."""
+    overrun, locked, hold = (
+        scored(BLOCKED, name, nats=nats)
+        for name, nats in (("scan_overrun", 975.0), (LOCK, 972.0), ("servo_hold", 960.0))
+    )
+    elsewhere = scored(LATE, "link_retry", nats=974.0)
 
-    assert other.alternatives == ((BOUNCE,), ())
+    other, *_ = instead(found(overrun, locked, hold, elsewhere, nats=1000.0))
+
+    assert other.model is overrun
+    assert other.alternatives == ((BOUNCE,), (LOCK,))
+    assert other.confidences[0] == 0.8
+    assert 0.99 < other.confidences[1] < 1.0
 
 
 @pytest.mark.parametrize(

@@ -4,12 +4,12 @@ Surrogates propose, and they are a little off: a model that comes near the best 
 may be the right one, which plays then show.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
 
 from skiplatch.diagnosis.search.decide import FAINTEST, Finding
-from skiplatch.diagnosis.search.groups import TIED
+from skiplatch.diagnosis.search.groups import TIED, group_of
 from skiplatch.diagnosis.search.scored import Scored
 
 MOST_INSTEAD = 2
@@ -39,8 +39,20 @@ def _exchanged(finding: Finding, model: Scored, other: Scored) -> Finding | None
     groups = zip(finding.alternatives, finding.confidences, strict=True)
     said = dict(zip(model.ids, groups, strict=True))
     group, confidence = said[old[0].id]
-    is_tied = new[0].id in group
-    group = (old[0].id, *(name for name in group if name != new[0].id)) if is_tied else ()
+    if new[0].id in group:
+        group = (old[0].id, *(name for name in group if name != new[0].id))
+    else:
+        group, confidence = _tied(finding.ranking, other, new[0].id, beside=old[0].id)
     said[new[0].id] = group, confidence
     alternatives, confidences = zip(*(said[name] for name in other.ids), strict=True)
     return replace(finding, model=other, alternatives=alternatives, confidences=confidences)
+
+
+def _tied(
+    ranking: Sequence[Scored], model: Scored, own: str, beside: str
+) -> tuple[tuple[str, ...], float]:
+    """Name what is tied with an effect of a model, beside one that is out, by what was tried."""
+    rest = {*model.ids} - {own}
+    alike = [s for s in ranking if len(s.ids) == len(model.ids) and rest < {*s.ids}]
+    tried = [(name, s.score) for s in alike for name in s.ids if name not in rest | {beside}]
+    return group_of(own, tried)
