@@ -18,6 +18,7 @@ MOST_WRAPPED = 1000
 FINEST = 6  # decimals
 NOTHING = "—"
 LEAST_COMPACT = 1e-6
+LEAST = 1e-9  # what arithmetic leaves of nothing is below
 EXACT_DIGITS = 5  # of a number without an interval
 
 
@@ -128,8 +129,8 @@ def _wrapped(lines: Sequence[Sequence[str]], side: Literal["left", "right"], roo
 
 
 def number(value: float, digits: int = 4) -> str:
-    """Give a number with so many significant digits, never as a power of ten."""
-    if value == 0.0:
+    """Give a number with so many significant digits, never as a power of ten: below `LEAST` 0."""
+    if abs(value) < LEAST:
         return "0"
     decimals = digits - 1 - math.floor(math.log10(abs(value)))
     return f"{round(value, decimals):,.{max(decimals, 0)}f}".replace(",", " ")

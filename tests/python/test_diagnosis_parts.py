@@ -17,6 +17,7 @@ from skiplatch.diagnosis.candidates.grid_starts import holds, resolutions, slots
 from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.law import Extra, Law, extra_variance
+from skiplatch.diagnosis.fit.as_effects import as_effects
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.likelihood.laws import law_under
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
@@ -268,6 +269,29 @@ def test_the_lines_of_a_coarse_coordinate_are_proposed(steps: float) -> None:
     assert not [start for start in resolutions(plain, Change()) if start[2]]
 
 
+def test_the_lines_of_few_places_are_proposed_by_what_these_are_apart() -> None:
+    plain = Scene.of(read_campaign(SAMPLES / "machine_no_gap"))
+    fine_um, n = plain.nominal.axis.resolution_um, len(plain)
+    pitch_um = 76.0 * fine_um
+    line_um = np.resize(np.array([-3102.0, -3101.0, 2447.0]), n) * pitch_um + 30.0 * fine_um
+    deviation_um = plain.sign * (line_um - plain.touches.position_mm * 1e3)
+    scene = Scene(plain.nominal, replace(plain.touches, deviation_um=deviation_um))
+
+    proposed = [start for start in resolutions(scene, Change()) if start[1] == 1.0]
+
+    assert [pytest.approx(pitch_um), 1.0, pytest.approx(30.0 / 76.0)] in proposed
+
+
+@pytest.mark.parametrize(("turns", "origin"), [(1.0, 1.0), (-2.0, 1.0), (1.3, 0.3), (0.0, 0.0)])
+def test_a_line_at_nothing_is_played_there_and_not_anywhere(turns: float, origin: float) -> None:
+    coarse = CANDIDATES["encoder_quantisation"]
+    found = Fit((coarse,), (np.array([76.0, 1.0, turns]),), frozenset({"position"}))
+
+    (effect,) = as_effects(found)
+
+    assert effect.parameters["origin"] == pytest.approx(origin)
+
+
 def test_scatter_without_steps_is_none_of_coarse_positions() -> None:
     """Steps are proposed by their lines alone: without them any scatter would do as well."""
     plain = Scene.of(read_campaign(SAMPLES / "machine_no_gap"))
@@ -378,6 +402,7 @@ LIKELIHOODS = """
 from pathlib import Path
 from skiplatch.campaign import read_campaign
 from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.as_effects import as_effects
 from skiplatch.diagnosis.fit.believed import scene_of
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 scene = scene_of(read_campaign(Path("scripts/samples/machine_no_gap")))

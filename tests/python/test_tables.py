@@ -15,6 +15,7 @@ from skiplatch.tables import beside, compact, listing, number, prose, table, who
         (123456.0, "123 500"),
         (1154.7, "1 155"),
         (20.0, "20.00"),
+        (-1.41e-16, "0"),
     ],
 )
 def test_number_has_four_significant_digits_and_no_power_of_ten(value: float, text: str) -> None:

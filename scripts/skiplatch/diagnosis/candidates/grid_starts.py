@@ -133,7 +133,7 @@ def _coordinate_lines(scene: Scene, given: Change) -> list[list[float]]:
     where_um = scene.latched_mm[~np.isnan(scene.touches.deviation_um)] * UM_PER_MM
     where_um = where_um[~np.isnan(where_um)]
     widest = parameter_of("encoder_quantisation", "resolution_um").high
-    told = _lines_told(where_um, fine, widest)
+    told = [*_lines_told(where_um, fine, widest), *_whole_lines(where_um, fine, widest)]
     seen_um = _box_of(unknown_sigma(told_of.off_um, told_of.spread_um), fine)
     seen = _grids_as_wide(where_um, seen_um, fine)
     return [[pitch, 1.0, turn or 1.0] for pitch, turn in (*told, *seen)]
@@ -150,6 +150,14 @@ def _lines_told(values: FloatArray, fine: float, widest: float) -> list[tuple[fl
         return []
     pitch, line = _midway(values, *_coarsest(values, *grid))
     return [(pitch, line / pitch % 1.0)]
+
+
+def _whole_lines(values: FloatArray, fine: float, widest: float) -> list[tuple[float, float]]:
+    """Give grids of whole steps that hold values of few places, through one of these."""
+    if not len(values):
+        return []
+    pitches = whole_pitches(values - values[0], fine)
+    return [(pitch, values[0] / pitch % 1.0) for pitch in pitches if 2.0 * fine < pitch <= widest]
 
 
 def _midway(values: FloatArray, pitch: float, turn: float) -> tuple[float, float]:

@@ -41,7 +41,7 @@ def _admitted(effect_id: str, parameters: dict[str, float]) -> dict[str, float]:
     for parameter in effects()[effect_id].parameters:
         value = parameters[parameter.name]
         if turn := turn_of(parameter):
-            value %= turn
+            value = (value % turn or turn) if value else 0.0  # 0 may be anywhere, a turn is not
         elif parameter.name in SWITCHES:
             value = float(np.rint(value))
         elif parameter.low >= 0.0:

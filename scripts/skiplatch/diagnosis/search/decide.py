@@ -81,17 +81,18 @@ def _searched(judge: Judge, noticed: Noticed) -> Finding:
     if not _asks_for_more(judge, best, noticed):
         return _single(judge, best, ranked)
     best, pairs = _with_second(judge, best, noticed)
-    pairs = _from_further_on(judge, pairs, best, noticed)
+    pairs, others = _from_further_on(judge, pairs, best, noticed), []
     if not pairs or judge.is_scatter(best) or noticed(pairs[0]):
         # What scatters, needs slack or leaves something may have taken two for one: the next best
         # may be half.
         others = from_next_best(judge, ranked, best, noticed)
-        pairs = others if not pairs or (others and others[0].score > pairs[0].score) else pairs
+        if not pairs or (others and others[0].score > pairs[0].score):
+            pairs, others = others, pairs
         if not pairs:
             ranked = [best, *(s for s in ranked if s.ids != best.ids)]
             return _single(judge, best, ranked)
     judge.believe_beside(pairs[0].fit)
-    model, tried = judge.score(pairs[0].fit), [judge.score(one.fit) for one in pairs]
+    model, tried = judge.score(pairs[0].fit), [judge.score(one.fit) for one in (*pairs, *others)]
     return grown(judge, model, tried, noticed)
 
 

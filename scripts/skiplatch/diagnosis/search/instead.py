@@ -1,10 +1,10 @@
-"""What may stand in place of a finding that cannot be named.
+"""What may stand in place of a finding that cannot be named, or that leaves something.
 
 Surrogates propose, and they are a little off: a model that comes near the best one in likelihood
 may be the right one, which plays then show.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
 
@@ -12,11 +12,13 @@ from skiplatch.diagnosis.search.decide import FAINTEST, Finding
 from skiplatch.diagnosis.search.groups import TIED, group_of
 from skiplatch.diagnosis.search.scored import Scored
 
+InPlace = Callable[[Scored, int], Sequence[Scored]]
+"""Gives a model with others in place of one effect, by its number, which come last."""
 MOST_INSTEAD = 2
 """Models that are tried in place of one that cannot be named."""
 
 
-def instead(finding: Finding) -> Iterator[Finding]:
+def instead(finding: Finding, in_place: InPlace) -> Iterator[Finding]:
     """Give a finding with another effect in place of one, as far as a surrogate can be trusted.
 
     The best of them first. Effects that do just the same need no trial of their own.
@@ -26,33 +28,26 @@ def instead(finding: Finding) -> Iterator[Finding]:
         return
     least = model.score - max(TIED, FAINTEST * model.score)
     near = [s for s in finding.ranking if s is not model and s.score > least]
-    found = (_exchanged(finding, model, other) for other in near)
+    found = (_exchanged(finding, model, other, in_place) for other in near)
     yield from islice((one for one in found if one), MOST_INSTEAD)
 
 
-def _exchanged(finding: Finding, model: Scored, other: Scored) -> Finding | None:
-    """Give a finding another model, if that has one effect in place of one that acts otherwise."""
+def _exchanged(finding: Finding, model: Scored, other: Scored, in_place: InPlace) -> Finding | None:
+    """Give a finding another model, if that has one effect in place of one that acts otherwise.
+
+    What was there is told from the new effect, or not, as it was before; what else is, is tried.
+    """
     new = [c for c in other.fit.candidates if c.id not in model.ids]
     old = [c for c in model.fit.candidates if c.id not in other.ids]
     if len(new) != 1 or len(old) != 1 or new[0].change == old[0].change:
         return None
     groups = zip(finding.alternatives, finding.confidences, strict=True)
     said = dict(zip(model.ids, groups, strict=True))
-    group, confidence = said[old[0].id]
-    if new[0].id in group:
-        group = (old[0].id, *(name for name in group if name != new[0].id))
-    else:
-        group, confidence = _tied(finding.ranking, other, new[0].id, beside=old[0].id)
-    said[new[0].id] = group, confidence
+    own, before = new[0].id, old[0].id
+    tied = (before,) if own in said[before][0] else ()
+    rivals = in_place(other, other.ids.index(own))
+    tried = [(s.ids[-1], s.score) for s in rivals if s.ids[-1] != before]
+    group, confidence = group_of(own, [(own, other.score), *tried])
+    said[own] = (*tied, *group), confidence
     alternatives, confidences = zip(*(said[name] for name in other.ids), strict=True)
     return replace(finding, model=other, alternatives=alternatives, confidences=confidences)
-
-
-def _tied(
-    ranking: Sequence[Scored], model: Scored, own: str, beside: str
-) -> tuple[tuple[str, ...], float]:
-    """Name what is tied with an effect of a model, beside one that is out, by what was tried."""
-    rest = {*model.ids} - {own}
-    alike = [s for s in ranking if len(s.ids) == len(model.ids) and rest < {*s.ids}]
-    tried = [(name, s.score) for s in alike for name in s.ids if name not in rest | {beside}]
-    return group_of(own, tried)

@@ -24,7 +24,7 @@ from skiplatch.diagnosis.verdict.gains import nats_of, shares_gained
 from skiplatch.diagnosis.verdict.guilty import without_guilty
 from skiplatch.diagnosis.verdict.hidden import Hidden, could_hide
 from skiplatch.diagnosis.verdict.named import Named, is_vague, named, open_sizes
-from skiplatch.diagnosis.verdict.rules import NAMES
+from skiplatch.diagnosis.verdict.rules import EXPLAINS, NAMES
 from skiplatch.diagnosis.verdict.shrink import Gap, PlayedRigs
 from skiplatch.diagnosis.verdict.undoing import undoing
 from skiplatch.diagnosis.verdict.verdict import failures, shows_too_little
@@ -59,6 +59,7 @@ def concluded(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
     found = _found(work, truth)
     if found.finding.model is None:
         return found
+    found = _that_explains(work, found, truth)
     is_nothing = bool(failures(NAMES, found.evidence)) and not work.is_noticed
     if is_nothing or _is_of_outliers(work, found):
         return _conclusion(work, Finding(None), None, truth)
@@ -82,7 +83,7 @@ def _found(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
     searches_on = True
     whole = found = _conclusion(work, finding, confirmed, truth)
     while failures(NAMES, found.evidence):
-        for other in instead(found.finding):
+        for other in instead(found.finding, work.judge.in_place):
             rival = _conclusion(work, *work.standing(other), truth)
             if not failures(NAMES, rival.evidence):
                 return rival
@@ -92,6 +93,20 @@ def _found(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
             return whole
         searches_on = False
         found = _conclusion(work, *work.confirmed(kept), truth)
+    return found
+
+
+def _that_explains(work: Work, found: Conclusion, truth: Sequence[Effect] | None) -> Conclusion:
+    """Let what leaves something give way to what comes near it and leaves nothing.
+
+    Where much is shifted, the likelihood hardly tells slack from a scatter that is there; plays do.
+    """
+    if not found.evidence.is_held_out or not failures(EXPLAINS, found.evidence):
+        return found
+    for other in instead(found.finding, work.judge.in_place):
+        rival = _conclusion(work, *work.standing(other), truth)
+        if not failures((*NAMES, *EXPLAINS), rival.evidence):
+            return rival
     return found
 
 
