@@ -156,6 +156,39 @@ def test_gross_outliers_spoil_no_gap_that_is_gone() -> None:
     assert diagnosis.gap["deviation_um"].shrink.low > 0.9
 
 
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [1, 4])
+def test_gross_errors_to_either_side_are_no_bounce(seed: int) -> None:
+    """They are a few times the noise, and most of them late, as of one effect that comes seldom."""
+    campaign = played(MACHINE, seed=seed)
+    skip = campaign.touches.select(np.flatnonzero(campaign.touches.on_skip))
+    rng = np.random.default_rng(seed)
+    rows = rng.choice(len(skip), 8, replace=False)
+    off_um = np.zeros(len(skip))
+    off_um[rows] = rng.choice([-1.0, 1.0, 1.0, 1.0], 8) * rng.exponential(30.0, 8)
+    unknown = np.full(len(skip), np.nan)
+    touches = replace(
+        skip, deviation_um=skip.deviation_um + off_um, latch_us=unknown, report_us=unknown
+    )
+
+    diagnosis = diagnose(replace(campaign, touches=touches), seed=1)
+
+    assert diagnosis.verdict == Verdict.NO_GAP
+    grossly = rows[np.abs(off_um[rows]) > 20.0]
+    assert set(skip.touch[grossly].tolist()) <= set(diagnosis.outliers)
+
+
+def test_those_that_lie_beyond_their_plays_are_counted() -> None:
+    campaign = thrown(played(MACHINE), np.array([7, 90, 301]))
+    off_um = np.where(np.arange(len(campaign.touches)) == 33, -FAR_UM, 0.0)
+    touches = replace(campaign.touches, deviation_um=campaign.touches.deviation_um + off_um)
+    scene = Scene.of(replace(campaign, touches=touches))
+
+    found = outliers(scene, Rig(campaign.nominal), seed=1)
+
+    assert (len(found.touches), found.beyond) == (4, 3)
+
+
 def test_four_times_the_touches_hide_less_than_half() -> None:
     campaign = played(MACHINE)
     skip = np.flatnonzero(campaign.touches.on_skip)

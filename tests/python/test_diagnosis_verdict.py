@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from skiplatch.diagnosis.plays.left import EVERYWHERE, SIGNIFICANT, Left
-from skiplatch.diagnosis.verdict.accidents import may_be_accidents
+from skiplatch.diagnosis.verdict.accidents import fall_to_either_side, may_be_accidents
 from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.rules import (
     EXPLAINS,
@@ -182,6 +182,18 @@ def test_more_accidents_than_may_be_have_a_chance_of_one_in_a_hundred() -> None:
         chance = [comb(touches, far) * 0.05**far * 0.95 ** (touches - far) for far in range(fewest)]
 
         assert 1.0 - sum(chance) <= 0.01 < 1.0 - sum(chance[:-1])
+
+
+@pytest.mark.parametrize(
+    ("far", "beyond", "may_be"),
+    [(1, 1, True), (6, 6, True), (7, 7, False), (9, 8, True), (20, 16, True), (20, 17, False)],
+)
+def test_accidents_fall_to_one_side_once_in_a_hundred(far: int, beyond: int, may_be: bool) -> None:
+    chance = sum(comb(far, n) for n in range(beyond, far + 1)) / 2.0**far
+
+    assert (chance > 0.01) is may_be
+    assert fall_to_either_side(far, beyond) is may_be
+    assert fall_to_either_side(far, far - beyond)
 
 
 def test_what_evidence_leaves_out_speaks_for_nothing() -> None:

@@ -113,8 +113,7 @@ def _diagnosis(work: Work, found: Conclusion) -> Diagnosis:
     is_named = verdict in (Verdict.EXPLAINED, Verdict.PARTLY_EXPLAINED)
     stands = standing(verdict, [failure.rule for failure in failures], len(found.named))
     kept = finding if is_named else replace(finding, model=None)
-    is_small = found.known is not found.rig
-    remains = evidence.after if is_named or is_small else evidence.before
+    remains = evidence.before if finding.model and not is_named else evidence.after
     left = [one for one in remains if one.is_significant]
     rig = found.rig if is_named else believed
     closest = finding.model.ids if finding.model and not is_named else ()

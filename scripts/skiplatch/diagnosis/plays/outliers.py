@@ -40,24 +40,30 @@ class Outliers:
 
     touches: Sequence[int] = ()
     observables: Sequence[str] = ()
+    beyond: int = 0
+    """How many of them lie beyond their plays in some observable, as what comes late does."""
 
 
 def outliers(scene: Scene, rig: Rig, materiality: Materiality = DEFAULT, *, seed: int) -> Outliers:
     """Find them. Where more than half of all touches are, it is the rig that is off: then none."""
     outcomes = rig.play(scene.touches, seed=seed, replicates=PLAYS)
     recorded, played = observed(scene, scene.touches), observed(scene, outcomes)
-    far, names = np.full(len(scene), fill_value=False), []
+    far, beyond, names = np.zeros(len(scene), bool), np.zeros(len(scene), bool), []
     for name in sorted(OUTLYING & recorded.keys()):
-        far_in_it = np.full(len(scene), fill_value=False)
+        far_in_it, off = np.zeros(len(scene), bool), np.zeros(len(scene))
         known = ~np.isnan(recorded[name]) & ~np.isnan(played[name]).all(axis=0)
         for path in (scene.plc, ~scene.plc):
             here = known & path
             if known.sum() >= FEWEST and here.any():
                 values = recorded[name][here], played[name][:, here]
+                off[here] = values[0] - np.nanmedian(values[1], axis=0)
                 far_in_it[here] = _are_far(*values, step(scene, name), materiality, UNITS[name])
         far |= far_in_it
+        beyond |= far_in_it & (off > 0.0)
         names += [name] if far_in_it.any() else []
-    return Outliers() if far.mean() > MOST else Outliers(scene.touches.touch[far].tolist(), names)
+    if far.mean() > MOST:
+        return Outliers()
+    return Outliers(scene.touches.touch[far].tolist(), names, int(beyond.sum()))
 
 
 def gone_with(scene: Scene, numbers: Sequence[int], *, seed: int) -> str:

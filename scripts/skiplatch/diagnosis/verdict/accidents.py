@@ -5,7 +5,12 @@ from scipy import stats
 MOST_OUTLIERS = 0.05
 """Share of touches, in the mean of many campaigns, up to which those far off are accidents."""
 RARELY = 0.01
-"""Chance of more of them than that makes no accident."""
+"""Chance of more of them than that, or of so many to one side, makes no accident."""
+
+
+def fall_to_either_side(far: int, beyond: int) -> bool:
+    """Tell whether of so many touches far off as many may lie beyond as accidents do."""
+    return bool(stats.binom.sf(beyond - 1, far, 0.5) > RARELY)
 
 
 def may_be_accidents(far: int, touches: int, share: float = MOST_OUTLIERS, told: str = "") -> bool:

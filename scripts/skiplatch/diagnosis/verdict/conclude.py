@@ -17,14 +17,14 @@ from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.confirm import Confirmation
 from skiplatch.diagnosis.search.decide import Finding
 from skiplatch.diagnosis.search.instead import instead
-from skiplatch.diagnosis.verdict.accidents import may_be_accidents
+from skiplatch.diagnosis.verdict.accidents import fall_to_either_side, may_be_accidents
 from skiplatch.diagnosis.verdict.chance import chance_of, is_chancy
 from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.gains import nats_of, shares_gained
 from skiplatch.diagnosis.verdict.guilty import without_guilty
 from skiplatch.diagnosis.verdict.hidden import Hidden, could_hide
 from skiplatch.diagnosis.verdict.named import Named, is_vague, named, open_sizes
-from skiplatch.diagnosis.verdict.rules import EXPLAINS, NAMES
+from skiplatch.diagnosis.verdict.rules import EXPLAINS, NAMES, shrinks_for_certain
 from skiplatch.diagnosis.verdict.shrink import Gap, PlayedRigs
 from skiplatch.diagnosis.verdict.undoing import undoing
 from skiplatch.diagnosis.verdict.verdict import failures, shows_too_little
@@ -67,10 +67,27 @@ def concluded(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
 
 
 def _is_of_outliers(work: Work, found: Conclusion) -> bool:
-    """Tell whether touches far off alone are what something was found by."""
+    """Tell whether touches far off alone are what something was found by.
+
+    They are far off the plays of what was found; or, where no gap is seen to shrink, off those of
+    the beliefs, and to either side: what comes late is off to one.
+    """
     model = found.finding.model
     likely = model.ids if model else ()
-    return bool(found.outliers) and not work.without(found.outliers).finds_any(likely)
+    if found.outliers and not work.without(found.outliers).finds_any(likely):
+        return True
+    if shrinks_for_certain(found.evidence):
+        return False
+    far = _accidents_of_beliefs(work)
+    return bool(far and failures(NAMES, _found(work.without(far), None).evidence))
+
+
+def _accidents_of_beliefs(work: Work) -> Sequence[int]:
+    """Give the touches far off the plays of the beliefs, if these may be accidents."""
+    far = outliers(work.scene, work.rig(None), work.materiality, seed=work.seed)
+    number, told = len(far.touches), gone_with(work.scene, far.touches, seed=work.seed)
+    are = may_be_accidents(number, len(work.scene), told=told)
+    return far.touches if are and fall_to_either_side(number, far.beyond) else ()
 
 
 def _found(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
@@ -131,7 +148,7 @@ def _conclusion(
     is_left = bool(odd_with) or are_many
     usual = ~np.isin(scene.touches.touch, [] if is_left else odd)
     seen = scene if usual.all() else scene.select(usual)
-    after = before if known is believed else work.left(seen, known)
+    after = before if known is believed and seen is scene else work.left(seen, known)
 
     def played(after: Rig | Folds) -> PlayedRigs:
         return PlayedRigs.of(scene, believed, after, seed=work.seed, jobs=work.jobs, truth=true_rig)

@@ -19,6 +19,7 @@ LIKELIER = 7.0
 """Nats by which touches held out are likelier under a finding than without it from which on that is
 no luck, whatever the touches are: one in a thousand (Wasserman, Ramdas and Balakrishnan, PNAS 117
 (2020) 16880, eq. 6)."""
+LEAST_SHRINK = 0.2  # of a gap that shrinks for certain
 GAINED = 2.0 / 3.0
 """Share of what an effect gains on plays of itself that it has to gain on the record."""
 TIGHTEST = 0.5
@@ -100,7 +101,7 @@ def _shrinks(evidence: Evidence, threshold: float) -> str:
 
 def _shrinks_somewhere(evidence: Evidence, threshold: float) -> str:
     is_likelier = _may_shrink_unseen(evidence, threshold) and evidence.nats > LIKELIER
-    if _shrinks_for_certain(evidence, threshold) or is_likelier:
+    if shrinks_for_certain(evidence, threshold) or is_likelier:
         return ""
     return f"no gap {'shrinks for certain' if _clear(evidence.gaps) else 'is clear'}"
 
@@ -118,7 +119,8 @@ def _may_shrink_unseen(evidence: Evidence, threshold: float) -> bool:
     return evidence.is_chancy and (not clear or not all(stay))
 
 
-def _shrinks_for_certain(evidence: Evidence, threshold: float) -> bool:
+def shrinks_for_certain(evidence: Evidence, threshold: float = LEAST_SHRINK) -> bool:
+    """Tell whether some gap shrinks by such a share, or in touches that were missed."""
     is_clear = any(gap.shrink.low > threshold for gap in _clear(evidence.gaps).values())
     return is_clear or _is_lost_no_more(evidence, threshold)
 
@@ -215,12 +217,7 @@ def _takes_most(evidence: Evidence, threshold: float) -> str:
 
 
 EXPLAINS: Sequence[Rule] = (
-    Rule(
-        "shrinks",
-        0.8,
-        "a level: what an engineer calls explained; lower end of the interval",
-        _shrinks,
-    ),
+    Rule("shrinks", 0.8, "a level: what an engineer calls explained; at its lower end", _shrinks),
     Rule(
         "leaves_nothing",
         SIGNIFICANT,
@@ -244,7 +241,7 @@ EXPLAINS: Sequence[Rule] = (
 NAMES: Sequence[Rule] = (
     Rule(
         "shrinks_somewhere",
-        0.2,
+        LEAST_SHRINK,
         "a level: of something that is named for certain; lower end of the interval",
         _shrinks_somewhere,
     ),
