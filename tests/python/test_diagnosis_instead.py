@@ -1,10 +1,13 @@
 """What cannot be named gives way to models that come near it."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import pytest
 
 from scored_models import scored
 from skiplatch.diagnosis.search.decide import Finding
-from skiplatch.diagnosis.search.instead import MOST_INSTEAD, InPlace, instead
+from skiplatch.diagnosis.search.instead import MOST_INSTEAD, instead
 from skiplatch.diagnosis.search.scored import Scored
 
 LATE, LOCK, BLOCKED, BOUNCE = "scan_jitter", "scan_phase_lock", "isr_blocking", "contact_bounce"
@@ -17,12 +20,22 @@ def found(*others: Scored, nats: float = 100.0) -> Finding:
     return Finding(model, ((LOCK,), (BOUNCE,)), (0.9, 0.8), ranking)
 
 
-def in_place(*rivals: Scored) -> InPlace:
-    """Give these in place of any effect."""
-    return lambda _model, _position: rivals
+@dataclass(frozen=True)
+class Tried:
+    """Any effect of a model has the same rivals, and gains as much."""
+
+    rivals: Sequence[Scored] = ()
+    gained: float = 100.0
+
+    def in_place(self, _model: Scored, _position: int) -> Sequence[Scored]:
+        return self.rivals
+
+    def without(self, model: Scored, position: int) -> Scored:
+        others = [name for i, name in enumerate(model.ids) if i != position]
+        return scored(*others, nats=model.score - self.gained)
 
 
-NOTHING = in_place()
+NOTHING = Tried()
 
 
 def test_an_effect_is_exchanged_for_one_that_is_not_told_from_it() -> None:
@@ -42,12 +55,19 @@ def test_what_is_near_by_what_a_surrogate_is_off_by_is_not_tied_with_what_it_rep
         for name, nats in ((LATE, 1000.0), (LOCK, 972.0), ("servo_hold", 966.0))
     ]
 
-    other, *_ = instead(found(overrun, nats=1000.0), in_place(*rivals))
+    other, *_ = instead(found(overrun, nats=1000.0), Tried(rivals, gained=975.0))
 
     assert other.model is overrun
     assert other.alternatives == ((BOUNCE,), (LOCK,))
     assert other.confidences[0] == 0.8
     assert 0.98 < other.confidences[1] < 1.0
+
+
+def test_what_the_others_gain_brings_no_effect_nearer() -> None:
+    """A drift of the clock gains 900 of them: 25 are much of what tells one scan from another."""
+    overrun = scored(BLOCKED, "scan_overrun", nats=975.0)
+
+    assert not list(instead(found(overrun, nats=1000.0), NOTHING))
 
 
 @pytest.mark.parametrize(

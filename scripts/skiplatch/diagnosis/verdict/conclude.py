@@ -100,7 +100,7 @@ def _found(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
     searches_on = True
     whole = found = _conclusion(work, finding, confirmed, truth)
     while failures(NAMES, found.evidence):
-        for other in instead(found.finding, work.judge.in_place):
+        for other in instead(found.finding, work.judge):
             rival = _conclusion(work, *work.standing(other), truth)
             if not failures(NAMES, rival.evidence):
                 return rival
@@ -118,9 +118,10 @@ def _that_explains(work: Work, found: Conclusion, truth: Sequence[Effect] | None
 
     Where much is shifted, the likelihood hardly tells slack from a scatter that is there; plays do.
     """
-    if not found.evidence.is_held_out or not failures(EXPLAINS, found.evidence):
+    seen = found.evidence
+    if failures(NAMES, seen) or not seen.is_held_out or not failures(EXPLAINS, seen):
         return found
-    for other in instead(found.finding, work.judge.in_place):
+    for other in instead(found.finding, work.judge):
         rival = _conclusion(work, *work.standing(other), truth)
         if not failures((*NAMES, *EXPLAINS), rival.evidence):
             return rival
