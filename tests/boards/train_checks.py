@@ -18,6 +18,7 @@ TRAIN = 512  # a power of two: one bit tells its end
 SPACING_US = 20
 REST_US = 100_000
 SILENCE_S = 0.05
+LAST_S = 1.0  # of silence after the last byte: QEMU hands it over when the machine lets it
 WAITS_US = 5.0  # the interrupt that makes an edge, for critical sections and for a byte
 
 
@@ -59,7 +60,7 @@ class Train:
             while not played.done():
                 self._receive()
         played.result()
-        self._receive()
+        self._receive(LAST_S)
 
     def _make_edges(self) -> None:
         """Let the edges come, and their records leave."""
@@ -68,9 +69,9 @@ class Train:
             self._rig.run_for(REST_US)
         self._rig.run_for(REST_US)
 
-    def _receive(self) -> None:
+    def _receive(self, silence_s: float = SILENCE_S) -> None:
         """Fetch bytes of the UART until none comes for a while."""
-        self.emulator.serial.settimeout(SILENCE_S)
+        self.emulator.serial.settimeout(silence_s)
         with suppress(TimeoutError):
             while received := self.emulator.serial.recv(1 << 16):
                 self._sent_bytes += len(received)
