@@ -193,7 +193,7 @@ def test_accidents_fall_to_one_side_once_in_a_hundred(far: int, beyond: int, may
 
     assert (chance > 0.01 and beyond < far) is may_be
     assert fall_to_either_side(far, beyond) is may_be
-    assert fall_to_either_side(far, 0)
+    assert fall_to_either_side(far, far - beyond) is may_be
 
 
 def test_what_evidence_leaves_out_speaks_for_nothing() -> None:

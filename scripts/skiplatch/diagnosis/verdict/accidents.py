@@ -9,8 +9,9 @@ RARELY = 0.01
 
 
 def fall_to_either_side(far: int, beyond: int) -> bool:
-    """Tell whether of so many touches far off some lie short, as of accidents about half do."""
-    return beyond < far and bool(stats.binom.sf(beyond - 1, far, 0.5) > RARELY)
+    """Tell whether of so many touches far off some lie to either side, as of accidents half do."""
+    most = max(beyond, far - beyond)
+    return most < far and bool(stats.binom.sf(most - 1, far, 0.5) > RARELY)
 
 
 def may_be_accidents(far: int, touches: int, share: float = MOST_OUTLIERS, told: str = "") -> bool:
