@@ -157,7 +157,7 @@ def test_gross_outliers_spoil_no_gap_that_is_gone() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("seed", [1, 4])
+@pytest.mark.parametrize("seed", [4])
 def test_gross_errors_to_either_side_are_no_bounce(seed: int) -> None:
     """They are a few times the noise, and most of them late, as of one effect that comes seldom."""
     campaign = played(MACHINE, seed=seed)

@@ -149,7 +149,7 @@ def _conclusion(
     is_left = bool(odd_with) or are_many
     usual = ~np.isin(scene.touches.touch, [] if is_left else odd)
     seen = scene if usual.all() else scene.select(usual)
-    after = before if known is believed and seen is scene else work.left(seen, known)
+    after = before if known is believed else work.left(seen, known)
 
     def played(after: Rig | Folds) -> PlayedRigs:
         return PlayedRigs.of(scene, believed, after, seed=work.seed, jobs=work.jobs, truth=true_rig)
