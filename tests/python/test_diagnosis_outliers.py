@@ -157,12 +157,11 @@ def test_gross_outliers_spoil_no_gap_that_is_gone() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("seed", [4])
-def test_gross_errors_to_either_side_are_no_bounce(seed: int) -> None:
+def test_gross_errors_to_either_side_are_no_bounce() -> None:
     """They are a few times the noise, and most of them late, as of one effect that comes seldom."""
-    campaign = played(MACHINE, seed=seed)
+    campaign = played(MACHINE, seed=4)
     skip = campaign.touches.select(np.flatnonzero(campaign.touches.on_skip))
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(4)
     rows = rng.choice(len(skip), 8, replace=False)
     off_um = np.zeros(len(skip))
     off_um[rows] = rng.choice([-1.0, 1.0, 1.0, 1.0], 8) * rng.exponential(30.0, 8)

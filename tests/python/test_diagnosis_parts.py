@@ -402,7 +402,6 @@ LIKELIHOODS = """
 from pathlib import Path
 from skiplatch.campaign import read_campaign
 from skiplatch.diagnosis.density.change import Change
-from skiplatch.diagnosis.fit.as_effects import as_effects
 from skiplatch.diagnosis.fit.believed import scene_of
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 scene = scene_of(read_campaign(Path("scripts/samples/machine_no_gap")))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.diagnosis.plays.left import SIGNIFICANT
 from skiplatch.diagnosis.plays.playing import Rig
@@ -36,12 +36,12 @@ class Outliers:
     Attributes:
         touches: Their serial numbers.
         observables: In which they are.
+        beyond: How many of them lie beyond their plays in some, as what comes late does.
     """
 
     touches: Sequence[int] = ()
     observables: Sequence[str] = ()
     beyond: int = 0
-    """How many of them lie beyond their plays in some observable, as what comes late does."""
 
 
 def outliers(scene: Scene, rig: Rig, materiality: Materiality = DEFAULT, *, seed: int) -> Outliers:
@@ -50,17 +50,16 @@ def outliers(scene: Scene, rig: Rig, materiality: Materiality = DEFAULT, *, seed
     recorded, played = observed(scene, scene.touches), observed(scene, outcomes)
     far, beyond, names = np.zeros(len(scene), bool), np.zeros(len(scene), bool), []
     for name in sorted(OUTLYING & recorded.keys()):
-        far_in_it, off = np.zeros(len(scene), bool), np.zeros(len(scene))
+        off = np.zeros(len(scene))
         known = ~np.isnan(recorded[name]) & ~np.isnan(played[name]).all(axis=0)
         for path in (scene.plc, ~scene.plc):
             here = known & path
             if known.sum() >= FEWEST and here.any():
                 values = recorded[name][here], played[name][:, here]
-                off[here] = values[0] - np.nanmedian(values[1], axis=0)
-                far_in_it[here] = _are_far(*values, step(scene, name), materiality, UNITS[name])
-        far |= far_in_it
-        beyond |= far_in_it & (off > 0.0)
-        names += [name] if far_in_it.any() else []
+                off[here] = _off_all(*values, step(scene, name), materiality, UNITS[name])
+        far |= off != 0.0
+        beyond |= off > 0.0
+        names += [name] if off.any() else []
     if far.mean() > MOST:
         return Outliers()
     return Outliers(scene.touches.touch[far].tolist(), names, int(beyond.sum()))
@@ -80,13 +79,13 @@ def gone_with(scene: Scene, numbers: Sequence[int], *, seed: int) -> str:
     return " and ".join(dict.fromkeys(map(in_words, names)))
 
 
-def _are_far(
+def _off_all(
     recorded: FloatArray, plays: FloatArray, step: float, materiality: Materiality, unit: str
-) -> BoolArray:
-    """Tell which touches, shape (n,), are far off their plays, shape (r, n), by what matters."""
+) -> FloatArray:
+    """Give how far touches, shape (n,), are off plays, shape (r, n); 0 unless off all by much."""
     middle = np.nanmedian(plays, axis=0)
     off, reach = recorded - middle, np.nanmax(np.abs(plays - middle), axis=0)
     least = materiality.absolute(unit)
     if least is None:
         least = materiality.fraction * np.nanstd(plays, axis=0)
-    return (np.abs(off) > least) & far_off(off, reach, step)
+    return np.where((np.abs(off) > least) & far_off(off, reach, step), off, 0.0)

@@ -50,7 +50,8 @@ def _exchanged(finding: Finding, model: Scored, other: Scored, trial: Trial) -> 
     old = [c for c in model.fit.candidates if c.id not in other.ids]
     if len(new) != 1 or len(old) != 1 or new[0].change == old[0].change:
         return None
-    own, before, position = new[0].id, old[0].id, other.fit.candidates.index(new[0])
+    own, before = new[0].id, old[0].id
+    position = other.ids.index(own)
     gained = other.score - trial.without(other, position).score
     if other.score <= model.score - max(TIED, FAINTEST * gained):
         return None

@@ -24,10 +24,10 @@ from skiplatch.diagnosis.verdict.gains import nats_of, shares_gained
 from skiplatch.diagnosis.verdict.guilty import without_guilty
 from skiplatch.diagnosis.verdict.hidden import Hidden, could_hide
 from skiplatch.diagnosis.verdict.named import Named, is_vague, named, open_sizes
-from skiplatch.diagnosis.verdict.rules import EXPLAINS, NAMES, shrinks_for_certain
+from skiplatch.diagnosis.verdict.rules import EXPLAINS, NAMES, Rule, shrinks_for_certain
 from skiplatch.diagnosis.verdict.shrink import Gap, PlayedRigs
 from skiplatch.diagnosis.verdict.undoing import undoing
-from skiplatch.diagnosis.verdict.verdict import failures, shows_too_little
+from skiplatch.diagnosis.verdict.verdict import Verdict, decide, failures, shows_too_little
 from skiplatch.diagnosis.verdict.work import Work, mattering
 from skiplatch.simulator.effects import Effect
 
@@ -70,7 +70,7 @@ def _is_of_outliers(work: Work, found: Conclusion) -> bool:
     """Tell whether touches far off alone are what something was found by.
 
     They are far off the plays of what was found; or, where no gap is seen to shrink, off those of
-    the beliefs, and to either side: what comes late is off to one.
+    the beliefs, and to either side: what comes late is off to one, and so is what one cause has.
     """
     model = found.finding.model
     likely = model.ids if model else ()
@@ -85,9 +85,11 @@ def _is_of_outliers(work: Work, found: Conclusion) -> bool:
 def _accidents_of_beliefs(work: Work) -> Sequence[int]:
     """Give the touches far off the plays of the beliefs, if these may be accidents."""
     far = outliers(work.scene, work.rig(None), work.materiality, seed=work.seed)
-    number, told = len(far.touches), gone_with(work.scene, far.touches, seed=work.seed)
-    are = may_be_accidents(number, len(work.scene), told=told)
-    return far.touches if are and fall_to_either_side(number, far.beyond) else ()
+    number = len(far.touches)
+    if not fall_to_either_side(number, far.beyond):
+        return ()
+    told = gone_with(work.scene, far.touches, seed=work.seed)
+    return far.touches if may_be_accidents(number, len(work.scene), told=told) else ()
 
 
 def _found(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
@@ -100,10 +102,8 @@ def _found(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
     searches_on = True
     whole = found = _conclusion(work, finding, confirmed, truth)
     while failures(NAMES, found.evidence):
-        for other in instead(found.finding, work.judge):
-            rival = _conclusion(work, *work.standing(other), truth)
-            if not failures(NAMES, rival.evidence):
-                return rival
+        if (rival := _rival(work, found, NAMES, truth)) is not None:
+            return rival
         noticed = work.noticed if searches_on else None
         kept = without_guilty(work.judge, found.finding, found.evidence, noticed)
         if kept is None:
@@ -119,13 +119,20 @@ def _that_explains(work: Work, found: Conclusion, truth: Sequence[Effect] | None
     Where much is shifted, the likelihood hardly tells slack from a scatter that is there; plays do.
     """
     seen = found.evidence
-    if failures(NAMES, seen) or not seen.is_held_out or not failures(EXPLAINS, seen):
+    if not seen.is_held_out or decide(seen)[0] is not Verdict.PARTLY_EXPLAINED:
         return found
+    return _rival(work, found, (*NAMES, *EXPLAINS), truth) or found
+
+
+def _rival(
+    work: Work, found: Conclusion, rules: Sequence[Rule], truth: Sequence[Effect] | None
+) -> Conclusion | None:
+    """Give what comes near a finding and keeps some rules, if anything does."""
     for other in instead(found.finding, work.judge):
         rival = _conclusion(work, *work.standing(other), truth)
-        if not failures((*NAMES, *EXPLAINS), rival.evidence):
+        if not failures(rules, rival.evidence):
             return rival
-    return found
+    return None
 
 
 def _conclusion(
