@@ -270,6 +270,19 @@ def test_edges_bound_to_the_scans_propose_no_period_that_no_scan_can_have() -> N
     assert min(periods) >= 0.08 * believed
 
 
+def test_stamps_propose_the_widest_grid_that_they_keep() -> None:
+    """Those of every fourth scan keep the grid of all; edges that came early tell no period."""
+    period = Scene.of(played(BENCH)).nominal.plc.scan_us
+    campaign = played(BENCH, Effect("scan_period", {"period_us": 3.0 * period}))
+    touches = campaign.touches
+    early_us = np.where(touches.touch % 2, 0.0, 8.0 * period)
+    early = replace(campaign, touches=replace(touches, edge_us=touches.edge_us - early_us))
+
+    seen = [start[0] for start in scan_periods(Scene.of(early), Change())]
+
+    assert min(abs(off - 3.0 * period) for off in seen) < 1e-3
+
+
 def test_all_stamps_propose_a_period_that_half_of_them_do_not_tell() -> None:
     """Of 24 touches half serve the fit; the period is off by 40 ppm."""
     campaign = played(BENCH, Effect("scan_period", {"period_us": 0.08}))

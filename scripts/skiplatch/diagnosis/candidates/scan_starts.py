@@ -162,8 +162,15 @@ def scan_periods(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     stamps = np.sort((scene.touches.latch_us - given.stamp_us)[stream.rows])
     near = [grid_period(stamps, guess) for guess in (width, believed)]
     far = [] if np.abs(mean_turn(stamps, near[1])) > WELL_KEPT else _far_periods(stamps, believed)
-    periods = [sharpened(stamps, period)[0] for period in (*near, *far)]
+    wider = _wider(stamps, near[1], width)
+    periods = [sharpened(stamps, period)[0] for period in (*near, *far, *wider)]
     return [*([period - believed] for period in periods), [width - believed], *coarse]
+
+
+def _wider(stamps: FloatArray, period: float, longest: float) -> list[float]:
+    """Give the multiples of a period whose grids stamps keep as well: a grid keeps its parts'."""
+    multiples = period * np.arange(2, int(longest / period) + 1)
+    return [wider for wider in multiples.tolist() if np.abs(mean_turn(stamps, wider)) > WELL_KEPT]
 
 
 def _told_by_all(scene: Scene) -> list[list[float]]:
