@@ -11,6 +11,7 @@ from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.density.law import Law
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.fit.directions import with_directions
+from skiplatch.diagnosis.fit.unstated import with_unstated
 from skiplatch.diagnosis.likelihood.laws import law_of
 from skiplatch.diagnosis.scene.arrivals import with_arrivals
 from skiplatch.diagnosis.scene.scene import Scene
@@ -38,7 +39,7 @@ def scene_of(campaign: Campaign) -> Scene:
     campaign = with_arrivals(campaign)
     known = with_directions(campaign)
     return replace(
-        Scene.of(known, BELIEVED),
+        Scene.of(with_unstated(known), BELIEVED),
         stood_in=known.stood_in,
         is_directed=known.nominal == campaign.nominal,
     )

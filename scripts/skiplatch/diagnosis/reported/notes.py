@@ -6,6 +6,7 @@ import numpy as np
 
 from skiplatch.campaign import Axis, Campaign, InputPath
 from skiplatch.campaign.telling import hides_backlash
+from skiplatch.diagnosis.fit.unstated import REPEATABILITY
 from skiplatch.diagnosis.plays.left import Left
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.verdict import Failure, Verdict
@@ -48,6 +49,7 @@ def notes(
     for path in InputPath:
         found += _of_path(scene, path)
     found += _of_stamps(scene)
+    found += _unstated(scene)
     if scene.touches.turns.any():
         found.append(
             "Of axes A, B and C degrees stand for millimetres: 1 µm is 0.001° or 3.6″, "
@@ -105,6 +107,15 @@ def _of_stamps(scene: Scene) -> list[str]:
         lacking = "report_us without latch_us, and no position or no belief of how long they take"
         found.append(f"{lacking}: how late they come was not looked at.")
     return found
+
+
+def _unstated(scene: Scene) -> list[str]:
+    """Say what was taken from the touches, as nobody stated it."""
+    scatter_um = scene.nominal.probe.repeatability_um
+    if REPEATABILITY not in scene.nominal.unknown or scatter_um == 0.0:
+        return []
+    scatter = f"{number(scatter_um, 3)} µm is what touches of one surface scatter by"
+    return [f"probe.repeatability_um is not stated: {scatter}. No other scatter is told from it."]
 
 
 def _of_path(scene: Scene, path: InputPath) -> list[str]:
