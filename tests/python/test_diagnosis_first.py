@@ -2,19 +2,30 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from played_campaigns import BENCH, played_again, stamped_machine, thinned
-from skiplatch.campaign import read_campaign
+from played_campaigns import BENCH, MACHINE, played_again, stamped_machine, thinned
+from skiplatch.campaign import Nominal, read_campaign
+from skiplatch.campaign.datum import Datum, DatumFreedom
 from skiplatch.diagnosis.candidates.simulated import catalogue
-from skiplatch.diagnosis.fit.beliefs import SCAN_PERIOD, believing
+from skiplatch.diagnosis.fit.belief_fit import fit_beliefs
+from skiplatch.diagnosis.fit.beliefs import SCAN_PERIOD, believing, uncertain
 from skiplatch.diagnosis.fit.believed import scene_of
+from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.fit.intervals import settled
+from skiplatch.diagnosis.fit.together import together
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.first import beside_its_beliefs, first_effects
+from skiplatch.diagnosis.search.groups import TIED
 from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.parts import split
 from skiplatch.simulator.effects import Effect
 
 ACCELERATION = ("axis", "accel_mm_s2")
+DELAY = ("probe", "delay_us")
+PRETRAVEL = ("probe", "pretravel_um")
 
 
 def test_an_effect_is_fitted_to_beliefs_as_stated_too_not_only_where_they_fit_without_it() -> None:
@@ -77,6 +88,58 @@ def test_a_clock_that_is_off_is_told_beside_a_period_that_is_uncertain() -> None
     assert best.fit.parameters[0] == pytest.approx([0.4, 0.0, 0.0], abs=0.001)
     assert best.fit.slack == 0.0
     assert judge.scene.nominal.plc.scan_us == pytest.approx(right_us, rel=5e-9)
+
+
+@pytest.fixture(name="lagging", scope="module")
+def fixture_lagging() -> Scene:
+    """Two feeds, a known surface, a lag of 274 µs, and a pretravel 2.2 µm shorter than believed.
+
+    A feed that is off by a share, and by as much at every feed, does all of that behind a probe of
+    11 ms, beside the pretravel as it is stated.
+    """
+    machine = read_campaign(MACHINE)
+    slow = np.flatnonzero(np.isin(machine.touches.feed_mm_min, (300.0, 1000.0)))
+    chain = replace(believing(machine.nominal, {DELAY: 11000.0}), datum=Datum(DatumFreedom.NONE))
+    machine = replace(machine, touches=machine.touches.select(slow), nominal=chain)
+    recorded = played_again(machine, Effect("following_error", {"lag_us": 274.0}), seed=1)
+    believed = believing(chain, {PRETRAVEL: chain.probe.pretravel_um + 2.2})
+    return scene_of(replace(recorded, nominal=replace(believed, uncertainty={PRETRAVEL: 1.3})))
+
+
+def test_each_effect_is_held_against_the_beliefs_that_it_has_itself(lagging: Scene) -> None:
+    judge = Judge(lagging, split(len(lagging), 1))
+    right_um = lagging.nominal.probe.pretravel_um - 2.2
+
+    alone = first_effects(judge, lambda _: frozenset())
+    best, second, third, *_ = beside_its_beliefs(judge, alone)
+
+    assert alone[0].ids == ("feed_error",)
+    assert {best.ids, second.ids} == {("following_error",), ("feed_error",)}
+    assert second.score > best.score - TIED > third.score
+    lag = next(one for one in (best, second) if one.ids == ("following_error",))
+    assert lag.fit.parameters[0][0] == pytest.approx(274.0, abs=8.0)
+    assert judge.scene.nominal.probe.pretravel_um == pytest.approx(right_um, abs=0.3)
+
+
+def test_an_effect_and_a_belief_on_a_ridge_are_found_together(lagging: Scene) -> None:
+    """In turn neither gets away from where the other one is."""
+    (pretravel,) = [b for b in uncertain(lagging.nominal) if b.key == PRETRAVEL]
+    lag, start = catalogue()["following_error"], np.array([150.0, 0.0, 0.0, 0.0])
+    far = Fit((lag,), (start,), frozenset(lagging.streams))
+
+    def nats(fit: Fit, nominal: Nominal) -> float:
+        there = lagging.with_nominal(nominal)
+        moved = pretravel.uncertainties(nominal.probe.pretravel_um)
+        return likelihood(there, fit.change(there)).total - 0.5 * moved**2
+
+    in_turn = fit_beliefs(lagging, far.change(lagging), [pretravel]).nominal
+    there = lagging.with_nominal(in_turn)
+    found, nominal = together(there, far, [pretravel])
+
+    assert nats(found, nominal) > nats(settled(there, far), in_turn) + 100.0
+    assert found.parameters[0] == pytest.approx([274.0, 0.0, 0.0, 0.0], abs=15.0)
+    right_um = lagging.nominal.probe.pretravel_um - 2.2
+    assert nominal.probe.pretravel_um == pytest.approx(right_um, abs=0.3)
 
 
 def test_beliefs_that_all_observables_tell_alike_are_told_once() -> None:

@@ -71,7 +71,7 @@ def test_parameters_on_a_ridge_are_found_by_least_squares() -> None:
     start, candidates = np.concatenate(values), [candidate(name) for name in ids]
     target = Target(scene, candidates, [start], NOTHING)
 
-    found = target.fit(by_least_squares(scene, target, start))
+    found = target.fit(by_least_squares(target, start))
 
     scale, backlash, tick = found.parameters
     assert scale[0] == pytest.approx(40.0, abs=1.0)

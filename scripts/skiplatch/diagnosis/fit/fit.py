@@ -8,7 +8,7 @@ from itertools import accumulate, pairwise
 
 import numpy as np
 
-from skiplatch.arrays import FloatArray
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.density.datum import BY_STAMPS
@@ -131,19 +131,20 @@ class Target:
         self.slack = 0.0
         self._candidates = tuple(candidates)
         self._found: dict[tuple[bytes, float, float], float] = {}
-        self._names = frozenset[str]()
-        self._names = frozenset[str]().union(
+        self.reached = frozenset[str]()
+        """Names of the streams that they can reach, and that count."""
+        self.reached = frozenset[str]().union(
             *(affected(scene, self.fit(start).change(scene)) for start in starts)
         )
-        if given.slack and self._names.intersection(BY_STAMPS):
+        if given.slack and self.reached.intersection(BY_STAMPS):
             # What comes after a latch is read beside it, as far as the slack leaves it open.
-            self._names |= AFTER_LATCH & scene.streams.keys()
-        self._names |= with_shared_datum(scene, self._names)
+            self.reached |= AFTER_LATCH & scene.streams.keys()
+        self.reached |= with_shared_datum(scene, self.reached)
         # By what is off still: a share of what is explained already would blur the rest.
         self._sizes = {
             name: stream.off(law_under(scene, stream, given))
             for name, stream in scene.streams.items()
-            if name in self._names and stream.rows.any()
+            if name in self.reached and stream.rows.any()
         }
 
     @cached_property
@@ -165,12 +166,12 @@ class Target:
     @property
     def roughness(self) -> float:
         """Nats by which a climb may end on a bump of the likelihood that says nothing."""
-        is_rough = LATTICE in self._names and any(c.is_rough for c in self._candidates)
+        is_rough = LATTICE in self.reached and any(c.is_rough for c in self._candidates)
         return WORTH_A_REFINEMENT if is_rough else NATS
 
     def fit(self, values: FloatArray) -> Fit:
         """Give the effects with parameters, shape (p,)."""
-        return Fit(self._candidates, _split(self._candidates, values), self._names, self.slack)
+        return Fit(self._candidates, _split(self._candidates, values), self.reached, self.slack)
 
     def taken_up(self, candidate: Candidate) -> frozenset[int]:
         """Number the parameters of an effect that the datum of these touches takes up."""
@@ -180,7 +181,7 @@ class Target:
         """Give the same for what is given alone."""
         return self._of(self._given, widening)
 
-    def __call__(self, values: FloatArray, widening: float) -> float:
+    def __call__(self, values: FloatArray, widening: float = 0.0) -> float:
         """Give it at parameters, shape (p,), with the laws widened by a share of what is off."""
         point = (values.tobytes(), widening, self.slack)
         if point not in self._found:
@@ -188,18 +189,26 @@ class Target:
             self._found[point] = self._of(change, widening)
         return self._found[point]
 
+    def at(self, values: FloatArray) -> tuple[Scene, Change]:
+        """Give the touches, and what parameters, shape (p,), change."""
+        return self._scene, self.fit(values).change(self._scene, self._given)
+
+    def believed(self, values: FloatArray) -> BoolArray:
+        """Tell which of these are beliefs, shape (p,): none is."""
+        return np.zeros(len(values), bool)
+
     def takes_away(self, values: FloatArray) -> bool:
         """Tell whether the shift in some stream is one that the touches show themselves."""
         change = replace(self.fit(values).change(self._scene, self._given), slack=0.0)
         return any(
             _is_shown(stream, *(law_under(self._scene, stream, c) for c in (self._given, change)))
             for name, stream in self._scene.streams.items()
-            if name in self._names - {LATTICE} and stream.rows.any()
+            if name in self.reached - {LATTICE} and stream.rows.any()
         )
 
     def _of(self, change: Change, widening: float) -> float:
         sizes = {name: widening * size for name, size in self._sizes.items()} if widening else {}
-        total = likelihood(self._scene, change, self._names, sizes).total
+        total = likelihood(self._scene, change, self.reached, sizes).total
         return -total if np.isfinite(total) else WORST
 
 

@@ -39,7 +39,7 @@ def refine(scene: Scene, found: Fit) -> Fit:
     """Fit effects jointly, from where they are."""
     start = np.concatenate(found.parameters)
     target = Target(scene, found.candidates, [start], NOTHING)
-    start = by_least_squares(scene, target, start)
+    start = by_least_squares(target, start)
     best = _sharpened(target, fit_form(target, [start], target.widenings))
     return target.fit(_loosened(target, best))
 

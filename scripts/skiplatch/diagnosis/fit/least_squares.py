@@ -1,16 +1,20 @@
-"""Parameters of several effects at once, by least squares on what touches are off by.
+"""Several numbers at once, by least squares on what touches are off by.
 
 Effects that go with each other, as a drift with the temperature and a backlash where it was never
-cold, share a long and narrow ridge, along which a climb gets nowhere. Their shifts are nearly
-linear in most parameters, so that Gauss and Newton's steps get there at once.
+cold, share a long and narrow ridge, along which a climb gets nowhere; so do an effect and a belief.
+Their shifts are nearly linear in most parameters, so that Gauss and Newton's steps get there at
+once.
 """
+
+from collections.abc import Set as AbstractSet
+from typing import Protocol
 
 import numpy as np
 
-from skiplatch.arrays import FloatArray, IndexArray
+from skiplatch.arrays import BoolArray, FloatArray, IndexArray
+from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.law import Law
 from skiplatch.diagnosis.density.stream import Stream
-from skiplatch.diagnosis.fit.fit import Target
 from skiplatch.diagnosis.likelihood.laws import LATTICE, law_under
 from skiplatch.diagnosis.scene.scene import Scene
 
@@ -28,62 +32,91 @@ CALM = 3.0
 """Standard deviations beyond which a touch pulls no harder (Huber)."""
 
 
-def by_least_squares(scene: Scene, target: Target, start: FloatArray) -> FloatArray:
-    """Step from parameters, shape (p,), as long as that makes touches likelier; 0 stays 0."""
+class Ridge(Protocol):
+    """Numbers, shape (p,), and how likely touches are by them."""
+
+    @property
+    def reached(self) -> AbstractSet[str]:
+        """Names of the streams that they can reach."""
+
+    def believed(self, values: FloatArray) -> BoolArray:
+        """Tell which are standard uncertainties from what is believed; shape (p,)."""
+
+    def __call__(self, values: FloatArray) -> float:
+        """Give minus the log-likelihood, with what beliefs are unlikely by, in nats."""
+
+    def at(self, values: FloatArray) -> tuple[Scene, Change]:
+        """Give the touches, under the beliefs that they make, and what they change."""
+
+
+def by_least_squares(ridge: Ridge, start: FloatArray) -> FloatArray:
+    """Step from numbers, shape (p,), as long as that makes touches likelier."""
     best = start
     for _ in range(STEPS):
-        step = _step(scene, target, best)
+        step = _step(ridge, best)
         tried = [best + share * step for share in SHORTER]
-        better = min(tried, key=lambda values: target(values, 0.0))
-        if not target(better, 0.0) < target(best, 0.0):
+        better = min(tried, key=ridge)
+        if not ridge(better) < ridge(best):
             break
         best = better
     return best
 
 
-def _step(scene: Scene, target: Target, values: FloatArray) -> FloatArray:
-    """Give what parameters are off by, shape (p,), as far as shifts tell."""
-    free = np.flatnonzero(values)
-    slopes, off = _linearised(scene, target, values, free)
+def _step(ridge: Ridge, values: FloatArray) -> FloatArray:
+    """Give what numbers are off by, shape (p,), as far as touches and what is believed tell."""
+    believed = ridge.believed(values)
+    # A belief moves no farther than so far: seen from there, it goes back.
+    scale = np.where(believed, np.where(values > 0.0, -1.0, 1.0), values)
+    free = np.flatnonzero(scale)
+    slopes, off = _linearised(ridge, values, free, DIFFERENCE * scale[free])
     a_deviation = np.sqrt(len(off)) / np.maximum(np.linalg.norm(slopes, axis=0), TINY)
-    told = np.flatnonzero(a_deviation < MOST_MOVED * np.abs(values[free]))
-    smooth = [i for i in told if _is_smooth(target, values, free[i], a_deviation[i], len(off))]
-    found, *_ = np.linalg.lstsq(slopes[:, smooth], off, rcond=None)
+    told = np.flatnonzero(a_deviation < MOST_MOVED * np.abs(scale[free]))
+    smooth = [i for i in told if _is_smooth(ridge, values, free[i], a_deviation[i], len(off))]
+    prior = np.eye(len(free))[believed[free]][:, smooth]
+    found, *_ = np.linalg.lstsq(
+        np.vstack([slopes[:, smooth], prior]), np.append(off, -values[believed]), rcond=None
+    )
     step = np.zeros_like(values)
     step[free[smooth]] = found
     return step
 
 
 def _linearised(
-    scene: Scene, target: Target, values: FloatArray, free: IndexArray
+    ridge: Ridge, values: FloatArray, free: IndexArray, steps: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Give by how much parameters shift touches, shape (m, f), and what these are off by, (m,).
+    """Give by how much numbers shift touches, shape (m, f), and what these are off by, (m,).
 
     In standard deviations, without what an unknown datum takes up.
     """
-    steps = DIFFERENCE * values[free]
-    models = [target.fit(_moved(values, *move)) for move in zip(free, steps, strict=True)]
+    scene, change = ridge.at(values)
+    moved = [ridge.at(_moved(values, *move)) for move in zip(free, steps, strict=True)]
     slopes, off = [np.zeros((0, len(free)))], [np.zeros(0)]
-    here = target.fit(values)
-    for name in sorted((here.reached & scene.streams.keys()) - {LATTICE}):
+    for name in sorted((ridge.reached & scene.streams.keys()) - {LATTICE}):
         stream = scene.streams[name]
-        law, *others = (law_under(scene, stream, one.change(scene)) for one in (here, *models))
+        law = law_under(scene, stream, change)
         weights = _weights(stream, law)[:, None]
-        shifts = np.transpose([(other.mean - law.mean)[stream.rows] for other in others]) / steps
+        here = _off(scene, name, change)
+        shifts = np.transpose([here - _off(there, name, other) for there, other in moved]) / steps
         surfaces = weights * _surfaces(scene, stream)
         slopes.append(_beyond(surfaces, weights * shifts))
-        off.append(_beyond(surfaces, weights[:, 0] * (stream.residuals - law.mean)[stream.rows]))
+        off.append(_beyond(surfaces, weights[:, 0] * here))
     return np.vstack(slopes), np.concatenate(off)
 
 
-def _is_smooth(target: Target, values: FloatArray, index: int, step: float, touches: int) -> bool:
+def _off(scene: Scene, name: str, change: Change) -> FloatArray:
+    """Give what a stream's touches are off by, shape (m,)."""
+    stream = scene.streams[name]
+    return (stream.residuals - law_under(scene, stream, change).mean)[stream.rows]
+
+
+def _is_smooth(ridge: Ridge, values: FloatArray, index: int, step: float, touches: int) -> bool:
     """Tell whether touches count for a parameter by their shifts alone, about a step from it.
 
     That costs half a nat for each that is a standard deviation off. Lines that they lie on, as of a
     tick, are lost for much less.
     """
-    ahead, back = (target(_moved(values, index, step), 0.0) for step in (step, -step))
-    return 0.5 * (ahead + back) - target(values, 0.0) < MOST_CURVED * touches
+    ahead, back = (ridge(_moved(values, index, step)) for step in (step, -step))
+    return 0.5 * (ahead + back) - ridge(values) < MOST_CURVED * touches
 
 
 def _moved(values: FloatArray, index: int, step: float) -> FloatArray:

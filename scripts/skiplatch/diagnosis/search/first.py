@@ -2,9 +2,16 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
+from skiplatch.campaign import Nominal
+from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.search.groups import TIED
 from skiplatch.diagnosis.search.judge import Judge
-from skiplatch.diagnosis.search.scored import Noticed, Scored
+from skiplatch.diagnosis.search.scored import Noticed, Scored, falling
+
+MOST_AGAIN = 2
+"""Effects that are fitted again beside beliefs of their own."""
 
 
 def first_effects(judge: Judge, noticed: Noticed) -> list[Scored]:
@@ -48,25 +55,43 @@ def _beside_likeliest(judge: Judge, ranked: list[Scored]) -> list[Scored]:
 def beside_its_beliefs(judge: Judge, ranked: Sequence[Scored]) -> list[Scored]:
     """Hold effects alone against the beliefs that fit beside the best of them; by falling score.
 
-    Beliefs that fit without any effect may have made up for a part of it, or for its mean, and it
-    was given a form that suits those. So it is fitted to the beliefs as they are stated as well.
+    Each counts by the beliefs that it has itself. Those that fit without any effect, or beside
+    another one, may have made up for a part of it, or for its mean, and it was given a form that
+    suits them.
     """
-    best, *others = ranked
+    best = ranked[0]
     judge.believe_beside(best.fit)
-    found = judge.scene.nominal
-    if best.fit.is_always and found != judge.stated:
-        nats = judge.beliefs_beside(best.fit).nats
+    found = [(best.fit, judge.scene.nominal)]
+    found += [_fitted_again(judge, *one) for one in _worth_another_fit(judge, best)]
+    scores = [judge.score_beside(*one).score for one in found]
+    fit, nominal = found[int(np.argmax(scores))]
+    judge.believe(nominal)
+    judge.believe_beside(fit)
+    own, held = [judge.score_beside(*one) for one in found], [judge.score(s.fit) for s in ranked]
+    best_of = {one.ids: one for one in sorted([*held, *own], key=lambda one: one.score)}
+    return sorted(best_of.values(), key=lambda one: -one.score)
+
+
+def _worth_another_fit(judge: Judge, best: Scored) -> list[tuple[str, Nominal]]:
+    """Name effects to be fitted again, and the beliefs that these are to be fitted to.
+
+    The best one, to beliefs as they are stated if it has others; and those that come out best if
+    they are fitted together with the beliefs that are said to be uncertain, from the stated ones.
+    """
+    is_moved = best.fit.is_always and judge.scene.nominal != judge.stated
+    worth = [(best.ids[0], judge.stated)] if is_moved else []
+    if judge.stated.uncertainty:
         judge.believe(judge.stated)
-        again = _fitted_again(judge, best)
-        if judge.beliefs_beside(again.fit).nats > nats:
-            best = again
-            judge.believe_beside(best.fit)
-        else:
-            judge.believe(found)
-    return sorted((judge.score(one.fit) for one in (best, *others)), key=lambda one: -one.score)
+        own = judge.together(judge.roughly())
+        scores = [judge.score_beside(*one).score for one in own]
+        likely = [own[i] for i in falling(scores)[:MOST_AGAIN]]
+        worth += [(fit.candidates[0].id, nominal) for fit, nominal in likely]
+    return worth
 
 
-def _fitted_again(judge: Judge, single: Scored) -> Scored:
-    """Fit an effect alone from its starts again, to the beliefs of now."""
-    alike = {*single.ids, *(twin.ids[0] for twin in judge.twins(single, 0))}
-    return next(one for one in judge.singles(alike) if one.ids == single.ids)
+def _fitted_again(judge: Judge, effect_id: str, nominal: Nominal) -> tuple[Fit, Nominal]:
+    """Fit an effect alone, in all its forms, to some beliefs, and then together with these."""
+    judge.believe(nominal)
+    again = next(one for one in judge.singles({effect_id}) if one.ids == (effect_id,))
+    (found,) = judge.together([again.fit])
+    return found

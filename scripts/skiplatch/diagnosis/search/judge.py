@@ -1,10 +1,9 @@
 """Models of a campaign, fitted and scored: candidates alone, and on top of others."""
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import cached_property
-from typing import TypeVar
 
 import numpy as np
 
@@ -40,9 +39,6 @@ from skiplatch.diagnosis.search.tasks import (
     fit_roughly,
     fit_turned,
 )
-from skiplatch.side_by_side import side_by_side
-
-Task = TypeVar("Task")
 
 ANY = frozenset[str]()
 """Streams, where it is not known which: each of them."""
@@ -77,13 +73,8 @@ class Judge(Believer):
             executor: Fits side by side.
             materiality: From which size on a change matters.
         """
-        self._executor = executor
         self._left_out: set[str] = set()
-        super().__init__(scene, parts, materiality)
-
-    def _each(self, task: Callable[[Task], Fit], models: Sequence[Task]) -> list[Fit]:
-        """Fit models side by side."""
-        return side_by_side(self._executor, task, models)
+        super().__init__(scene, parts, executor, materiality)
 
     def _look_at(self, scene: Scene) -> None:
         super()._look_at(scene)
@@ -106,6 +97,11 @@ class Judge(Believer):
         tried = [c for c in self._candidates() if ids is None or c.id in ids]
         return self._with_twins(map(self.score, self._contest(tried, NOTHING)))
 
+    def roughly(self, part: Scene | None = None) -> list[Fit]:
+        """Fit every candidate alone, no closer than need be, to some touches or all that serve."""
+        there = self._fitting if part is None else part
+        return self._each(fit_roughly, [(there, c, NOTHING) for c in self._candidates()])
+
     def told_along_grid(self) -> list[Nominal]:
         """Give the chains with beliefs that fit beside effects that shift the grid of the scans."""
         fits = fits_along_grid(self._naming, self._candidates())
@@ -118,7 +114,7 @@ class Judge(Believer):
 
     def _best_in(self, part: Scene) -> list[Fit]:
         """Fit every candidate alone to some touches, roughly: those that gain most there."""
-        there = self._each(fit_roughly, [(part, c, NOTHING) for c in self._candidates()])
+        there = self.roughly(part)
         gains = [gain_of(part, one, NOTHING) for one in there]
         return [there[i] for i in falling(gains)[:ALSO_PASSING] if gains[i] > WORTH_A_REFINEMENT]
 

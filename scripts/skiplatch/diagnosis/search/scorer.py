@@ -92,14 +92,14 @@ class Scorer:
         self._fitting = scene.select(self.parts.fitting)
         self._checking = scene.select(self.parts.checking)
         self._naming = scene.select(self.parts.naming)
-        self._base = [likelihood(part, NOTHING).total for part in (self._fitting, self._checking)]
+        self.base = [likelihood(part, NOTHING).total for part in (self._fitting, self._checking)]
 
     def score(self, model: Fit) -> Scored:
         """Score a fitted model on both parts; a wave that no places tell gains nothing."""
         told = model.kept(are_waves_told(self._naming, model))
         fitted, checked = (
             likelihood(part, told.change(part)).total - base
-            for part, base in zip((self._fitting, self._checking), self._base, strict=True)
+            for part, base in zip((self._fitting, self._checking), self.base, strict=True)
         )
         effects = zip(model.candidates, model.parameters, strict=True)
         impossible = sum(not candidate.is_possible(self.scene, p) for candidate, p in effects)

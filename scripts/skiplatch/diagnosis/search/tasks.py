@@ -1,12 +1,16 @@
 """Fits that may run in processes of their own: functions of one argument that can travel."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
+from skiplatch.campaign import Nominal
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.beliefs import Belief
 from skiplatch.diagnosis.fit.fit import NARROWER, Fit, fit, starts_of
 from skiplatch.diagnosis.fit.forms import polish, refine
 from skiplatch.diagnosis.fit.onset import passing, polished
+from skiplatch.diagnosis.fit.together import together
 from skiplatch.diagnosis.scene.scene import Scene
 
 ROUGH = (NARROWER,)
@@ -40,6 +44,11 @@ def fit_turned(model: tuple[Scene, Candidate, Fit]) -> Fit:
 def fit_jointly(model: tuple[Scene, Fit]) -> Fit:
     """Fit the effects of a scene together, from where they are."""
     return refine(*model)
+
+
+def fit_together(model: tuple[Scene, Fit, Sequence[Belief]]) -> tuple[Fit, Nominal]:
+    """Fit effects of a scene together with beliefs, from where both are."""
+    return together(*model)
 
 
 def fit_in_forms(model: tuple[Scene, Fit, Change]) -> Fit:

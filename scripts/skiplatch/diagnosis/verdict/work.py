@@ -15,6 +15,7 @@ from skiplatch.diagnosis.fit.beliefs import Belief, uncertain
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.fit.intervals import settled
 from skiplatch.diagnosis.fit.material import Materiality
+from skiplatch.diagnosis.fit.together import together
 from skiplatch.diagnosis.plays.left import CHANCE, Left, Memo
 from skiplatch.diagnosis.plays.leftover import Beside, left_over, noticed
 from skiplatch.diagnosis.plays.playing import FittedDatum, Folds, Rig
@@ -192,6 +193,10 @@ def _settled_beside(
     fit, scene, beliefs, alone = task
     nominal = fit_beliefs(scene, fit.change(scene), beliefs, alone).nominal
     # Parameters would make up for beliefs that are off, and these then for parameters.
+    unlike_noise = [belief for belief in beliefs if not belief.is_noise]
+    if unlike_noise:
+        fit, nominal = together(scene.with_nominal(nominal), fit, unlike_noise)
+        nominal = fit_beliefs(scene, fit.change(scene), beliefs, nominal).nominal
     moved = scene.with_nominal(nominal)
     fit = settled(moved, fit)
     return fit_beliefs(scene, fit.change(moved), beliefs, nominal).nominal, fit
