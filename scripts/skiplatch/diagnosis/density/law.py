@@ -78,12 +78,6 @@ class Law:
             extras=extras,
         )
 
-    def widened(self, sigma: FloatArray | float) -> Self:
-        """Give a smoother law, for a coarse search."""
-        # A copy by dataclasses.replace takes longer than the widening.
-        wider = np.hypot(self.sigma, sigma)
-        return type(self)(self.offset, wider, self.box_a, self.box_b, self.extras)
-
     @cached_property
     def mean(self) -> FloatArray:
         """Mean of each residual; shape (n,)."""
