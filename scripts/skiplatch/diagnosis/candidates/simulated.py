@@ -60,7 +60,8 @@ def simulated(effect_id: str) -> Candidate:
 
     def change(scene: Scene, values: Parameters) -> Change:
         admitted = tuple(admitted_values(row, values).values())
-        played, chosen = _played_part(scene)
+        # What an effect does to a touch may depend on those before it.
+        played, chosen = scene.in_sequence(MOST_PLAYED)
         return _selected(changed(played, effect_id, admitted), chosen)
 
     def applies(scene: Scene) -> bool:
@@ -112,15 +113,6 @@ def _start(parameter: Parameter, share: float) -> float:
     near, far = (low, high) if abs(low) < abs(high) else (high, low)
     near = near or far * 10.0**-DECADES
     return float(near * (far / near) ** share)
-
-
-def _played_part(scene: Scene) -> tuple[Scene, IndexArray]:
-    """Find the largest part that is played, for effects remember, and which of it the scene is."""
-    chosen: IndexArray = np.arange(len(scene))
-    while (whole := scene.whole) is not None and len(whole) <= MOST_PLAYED:
-        chosen = np.asarray(scene.chosen)[chosen]
-        scene = whole
-    return scene, chosen
 
 
 def _selected(change: Change, chosen: IndexArray) -> Change:
