@@ -126,13 +126,7 @@ def _stream(
     rows: BoolArray,
 ) -> Stream:
     known = rows & ~np.isnan(residuals) & ~chain.false
-    offset, sigma, box_a, box_b = (_full(chain, value) for value in law)
+    offset, sigma, box_a, box_b = (np.full(len(chain), value, dtype=float) for value in law)
     full_law = Law(offset, sigma, box_a, box_b)
     values = np.where(np.isnan(residuals), 0.0, residuals)
     return Stream(name, unit, stages, values, full_law, known, full_law)
-
-
-def _full(chain: NominalChain, value: float | FloatArray) -> FloatArray:
-    full = np.empty(len(chain))
-    full[:] = value
-    return full
