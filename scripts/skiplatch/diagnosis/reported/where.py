@@ -13,7 +13,7 @@ from skiplatch.diagnosis.likelihood.laws import LATTICE, law_under
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.likelihood.scan_wait import scan_period_us
 from skiplatch.diagnosis.plays.left import EVERYWHERE, Left
-from skiplatch.diagnosis.plays.leftover import MISSED
+from skiplatch.diagnosis.plays.leftover import MISSED, STREAMS
 from skiplatch.diagnosis.scene.grid import off_grid
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.decide import Finding
@@ -25,16 +25,8 @@ LEAST_SHARE = 0.01
 """Gain in a stretch, over that in the one that gains most, from which on the gap shows in it."""
 MOST_CONDITIONS = 2
 MOST_LEFT = 3
-OBSERVABLES = {
-    "motion": "edge",
-    "latch_skip": "latch",
-    "latch_plc": "latch",
-    "lattice": "grid",
-    "arrival": "report",
-    "deviation_skip": "position",
-    "deviation_plc": "position",
-}
-"""Of streams that have another name than what is observed."""
+OBSERVABLES = {stream: observable for observable, streams in STREAMS.items() for stream in streams}
+"""What is observed, by the stream that shows it."""
 STAGES = {"edge": "motion", "latch": "input", "grid": "scan", MISSED: "input"}
 """Where something that no effect explains may sit at the latest; else as the observable."""
 
@@ -164,7 +156,7 @@ def _changed(stream: Stream, law: Law) -> float:
 
 def _conditions(name: str, before: Sequence[Left]) -> str:
     """Say what the gap of a stream goes with."""
-    observable, path = OBSERVABLES.get(name, name), _paths(name)
+    observable, path = OBSERVABLES[name], _paths(name)
     for one in before:
         is_here = one.observable == observable and path in (one.path, "both")
         if is_here and one.is_predicted and one.is_significant:
@@ -181,4 +173,4 @@ def _rest(left: Left) -> Place:
 def _paths(name: str) -> str:
     if name.endswith("skip"):
         return "skip"
-    return "plc" if name.endswith("plc") or name == "lattice" else "both"
+    return "plc" if name.endswith("plc") or name == LATTICE else "both"
