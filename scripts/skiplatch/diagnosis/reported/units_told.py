@@ -2,12 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import TypeVar
 
 from skiplatch.diagnosis.plays.left import Left
 from skiplatch.diagnosis.reported.diagnosis import Diagnosis
 from skiplatch.diagnosis.reported.where import Place
 from skiplatch.diagnosis.verdict.shrink import Gap
 from skiplatch.ways import LENGTH, Ways
+
+Sized = TypeVar("Sized", Place, Left)
 
 
 def for_people(diagnosis: Diagnosis) -> Diagnosis:
@@ -17,8 +20,8 @@ def for_people(diagnosis: Diagnosis) -> Diagnosis:
         return diagnosis
     return replace(
         diagnosis,
-        where=[_place(place, diagnosis.ways_of(place.paths)) for place in diagnosis.where],
-        left=[_left(one, diagnosis.ways_of(one.path)) for one in diagnosis.left],
+        where=[_sized(place, diagnosis.ways_of(place.paths)) for place in diagnosis.where],
+        left=[_sized(one, diagnosis.ways_of(one.path)) for one in diagnosis.left],
         gap={ways.observable_name(name): _gap(gap, ways) for name, gap in diagnosis.gap.items()},
     )
 
@@ -37,14 +40,9 @@ def datum_told(values: Mapping[str, float], ways: Ways) -> dict[str, float]:
     return told
 
 
-def _place(place: Place, ways: Ways) -> Place:
-    size, unit = ways.told(place.size, place.unit)
-    return replace(place, size=size, unit=unit)
-
-
-def _left(left: Left, ways: Ways) -> Left:
-    size, unit = ways.told(left.size, left.unit)
-    return replace(left, size=size, unit=unit)
+def _sized(one: Sized, ways: Ways) -> Sized:
+    size, unit = ways.told(one.size, one.unit)
+    return replace(one, size=size, unit=unit)
 
 
 def _gap(gap: Gap, ways: Ways) -> Gap:
