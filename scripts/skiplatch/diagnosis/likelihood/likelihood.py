@@ -129,7 +129,7 @@ def affected(scene: Scene, change: Change) -> frozenset[str]:
     }
     stamped = np.broadcast_to(np.asarray(change.stamp_us), (len(scene),))[scene.plc]
     if change.period_us != 0.0 or change.wait is not None or np.any(stamped != 0.0):
-        names |= {"lattice"} & scene.streams.keys()
+        names |= {LATTICE} & scene.streams.keys()
     if change.lost > 0.0:
         names.add(MISSED)
     return frozenset(names)
