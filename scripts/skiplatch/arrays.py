@@ -1,4 +1,4 @@
-"""What arrays hold, for annotations (shapes stand where they are documented); their middle."""
+"""Types of arrays (shapes stand where they are documented), and what is told of any array."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,12 @@ def median(values: FloatArray) -> float:
     parted = values.copy()
     parted.partition((low, high))
     return float(parted[low] + parted[high]) / 2.0
+
+
+def is_varied(values: FloatArray) -> bool:
+    """Tell whether some values differ; NaN is none."""
+    known = values[~np.isnan(values)]
+    return bool(len(known) and np.ptp(known) > 0.0)
 
 
 def calmed(values: FloatArray, error_variance: float) -> FloatArray:

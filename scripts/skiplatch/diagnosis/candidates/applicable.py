@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from skiplatch.arrays import FloatArray
+from skiplatch.arrays import is_varied
 from skiplatch.diagnosis.scene.nominal_chain import FALLEN, LOBES
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import effects
@@ -38,12 +38,6 @@ def has_clock(scene: Scene) -> bool:
 def varies(column: str) -> Callable[[Scene], bool]:
     """Tell whether a condition was recorded and varied: else nothing can be seen to go with it."""
     return lambda scene: is_varied(getattr(scene.touches, column))
-
-
-def is_varied(values: FloatArray) -> bool:
-    """Tell whether some values differ; NaN is none."""
-    known = values[~np.isnan(values)]
-    return bool(len(known) and np.ptp(known) > 0.0)
 
 
 def shows_waves(scene: Scene) -> bool:

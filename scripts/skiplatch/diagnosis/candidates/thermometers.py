@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from skiplatch.diagnosis.candidates.applicable import is_varied
+from skiplatch.arrays import is_varied
 from skiplatch.diagnosis.candidates.starts import Starts
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.scene.scene import Scene

@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.arrays import BoolArray, FloatArray, is_varied
 from skiplatch.campaign.column_kinds import NOT_RECORDED
 from skiplatch.diagnosis.scene.scene import Scene
 
@@ -153,12 +153,8 @@ def before(order: Order, scores: FloatArray) -> Mapping[str, FloatArray]:
 
 def varying(columns: Mapping[str, FloatArray], rows: BoolArray) -> dict[str, FloatArray]:
     """Leave out what was not recorded or did not vary on some touches: nothing goes with that."""
-    kept = {}
-    for name, values in columns.items():
-        known = values[rows][~np.isnan(values[rows])]
-        if len(known) and np.ptp(known) > 0.0:
-            kept[name] = values[rows]
-    return kept
+    there = {name: values[rows] for name, values in columns.items()}
+    return {name: values for name, values in there.items() if is_varied(values)}
 
 
 def _rest_since_same(time_s: FloatArray, codes: np.ndarray) -> FloatArray:
