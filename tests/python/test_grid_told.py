@@ -59,7 +59,7 @@ def test_stamps_that_come_late_do_not_draw_a_grid_along(late: float, seed: int) 
     after = rng.uniform(0.0, 2.0, 250) + rng.exponential(740.0, 250) * (rng.random(250) < late)
     in_order = np.sort((slots + place) * period + after)
 
-    found = kept_grid(in_order, 1.1 * period, first=16)
+    found = kept_grid(in_order, 1.1 * period)
 
     assert found is not None
     off = (in_order / found[0] - found[1] + 0.5) % 1.0 - 0.5

@@ -8,14 +8,10 @@ from scipy import optimize
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.positions import positions
-from skiplatch.diagnosis.candidates.starts import FEWEST_STAMPS, later_us, unknown_sigma
+from skiplatch.diagnosis.candidates.starts import later_us, unknown_sigma
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.likelihood.laws import law_under
-from skiplatch.diagnosis.scene.grid import (
-    APART,
-    grid_told,
-    kept_grid,
-)
+from skiplatch.diagnosis.scene.grid import APART, FEWEST_STAMPS, grid_told, kept_grid
 from skiplatch.diagnosis.scene.pitches import MANY_STEPS, odd_pitch, whole_pitches
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import parameter_of
@@ -203,8 +199,6 @@ def _grids_kept(values: FloatArray, guess: float) -> list[tuple[float, float]]:
 
     With each comes where it lies as a share of its period, above 0 and not above 1.
     """
-    if len(values) < FEWEST_STAMPS:
-        return []
     in_order, guesses = np.sort(values), (guess / APART, guess, guess * APART)
-    kept = [kept_grid(in_order, near, first=FEWEST_STAMPS) for near in guesses]
+    kept = [kept_grid(in_order, near) for near in guesses]
     return [(grid[0], grid[1] or 1.0) for grid in kept if grid]

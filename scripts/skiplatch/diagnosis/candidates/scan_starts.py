@@ -6,12 +6,12 @@ import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.scan_surrogates import FEW_TICKS
-from skiplatch.diagnosis.candidates.starts import FEWEST_STAMPS
 from skiplatch.diagnosis.candidates.surrogates import LOOSEST
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.likelihood.scan_wait import SHORTEST_PERIOD
 from skiplatch.diagnosis.scene.grid import (
     APART,
+    FEWEST_STAMPS,
     folded,
     grid_period,
     kept_grid,
@@ -181,7 +181,7 @@ def _told_by_all(scene: Scene) -> list[list[float]]:
     whole, _ = scene.in_sequence(MOST_STAMPS)
     stamps, believed = np.sort(whole.touches.latch_us[whole.plc]), scene.nominal.plc.scan_us
     stamps = stamps[~np.isnan(stamps)]
-    grid = kept_grid(stamps, believed, FEWEST_STAMPS) if len(stamps) >= FEWEST_STAMPS else None
+    grid = kept_grid(stamps, believed)
     return [[grid[0] - believed]] if grid else []
 
 

@@ -12,12 +12,12 @@ from skiplatch.diagnosis.density.datum import BY_STAMPS, WITHOUT_STAMPS
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.likelihood.laws import law_under
 from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um, shifted_by_datum
+from skiplatch.diagnosis.scene.grid import FEWEST_STAMPS
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.units import MM_PER_M, S_PER_MIN, US_PER_H, US_PER_S
 
 Starts = Callable[[Scene, Change], Sequence[Sequence[float]]]
 
-FEWEST_STAMPS = 16
 FEWEST_FEEDS = 2
 SLOWER = (0.9997, 0.999, 0.997, 0.99, 0.97, 0.9, 0.7, 0.4, 0.1)
 """Shares of the believed acceleration."""

@@ -12,11 +12,10 @@ import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Touches
-from skiplatch.diagnosis.scene.grid import folded, keep_grid, mean_turn
+from skiplatch.diagnosis.scene.grid import FEWEST_STAMPS, folded, keep_grid, mean_turn
 from skiplatch.simulator.playing import Outcomes
 from skiplatch.units import US_PER_S
 
-FEWEST_STAMPS = 16
 RESOLVED = 6
 """Decimals of a µs to which ticks and scans are told."""
 STAMPS = 256

@@ -13,6 +13,8 @@ APART = (1.0 + MARGIN) / (1.0 - MARGIN)
 """Factor between guesses of a period that leave none out between them."""
 FIRST = 6
 """Stamps that a first, coarse search looks at."""
+FEWEST_STAMPS = 16
+"""From which on stamps tell a grid that they keep, or what they scatter by."""
 KEPT = 40
 """Times as many periods a search leaves to the next, finer one."""
 FEWEST = 2
@@ -126,18 +128,19 @@ def grid_period(stamps: FloatArray, guess: float, first: int = FIRST) -> float:
     return float(1.0 / best[0])
 
 
-def kept_grid(stamps: FloatArray, guess: float, first: int) -> tuple[float, float] | None:
+def kept_grid(stamps: FloatArray, guess: float) -> tuple[float, float] | None:
     """Find the grid that stamps keep by no accident: its period, and where it lies, a share of it.
 
-    None where the best of so many periods may well agree with them so well by chance: by Rayleigh's
-    test of each, or by how narrow a stretch of the period all of them lie in.
+    None of too few, and where the best of so many periods may well agree with them so well by
+    chance: by Rayleigh's test of each, or by how narrow a stretch of the period all of them lie in.
 
     Args:
-        stamps: Shape (n,), n ≥ first, sorted.
+        stamps: Shape (n,), sorted.
         guess: Roughly the period, in the same unit.
-        first: As for `grid_period`.
     """
-    return _sharpened_if_kept(stamps, grid_period(stamps, guess, first))
+    if len(stamps) < FEWEST_STAMPS:
+        return None
+    return _sharpened_if_kept(stamps, grid_period(stamps, guess, FEWEST_STAMPS))
 
 
 def _sharpened_if_kept(
