@@ -13,7 +13,7 @@ from skiplatch.diagnosis.scene.covariates import (
     recorded_only,
     sequence,
 )
-from skiplatch.diagnosis.scene.observed import UNITS
+from skiplatch.diagnosis.scene.observed import UNITS, step
 from skiplatch.diagnosis.scene.periodogram import shortest_wave
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.units import US_PER_S
@@ -134,10 +134,8 @@ class Setting:
         return float(np.median(wait[rows] / noise)) > MOSTLY_WAIT
 
     def step(self, observable: str) -> float:
-        """Give what an observable is rounded to, in its unit."""
-        chain = self.scene.nominal
-        if UNITS[observable] == "µs":
-            return chain.skip.tick_us
-        stamped = self.scene.has_stamps.any()
-        way_um = chain.skip.tick_us * float(np.median(self.scene.speed)) if stamped else 0.0
-        return chain.axis.resolution_um + way_um
+        """Give what an observable is rounded to, in its unit; of a position, its stamp as well."""
+        rounded = step(self.scene, observable)
+        if UNITS[observable] == "µs" or not self.scene.has_stamps.any():
+            return rounded
+        return rounded + self.scene.nominal.skip.tick_us * float(np.median(self.scene.speed))
