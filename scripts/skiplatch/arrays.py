@@ -7,6 +7,9 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 IndexArray = NDArray[np.intp]
 
+WITHOUT_WORST = (0.02, 0.98)
+"""Quantiles beyond which values count no further."""
+
 
 def median(values: FloatArray) -> float:
     """Give the median of known values; shape (n,), n > 0.
@@ -23,6 +26,11 @@ def is_varied(values: FloatArray) -> bool:
     """Tell whether some values differ; NaN is none."""
     known = values[~np.isnan(values)]
     return bool(len(known) and np.ptp(known) > 0.0)
+
+
+def winsorised(values: FloatArray) -> FloatArray:
+    """Cut the few least and greatest of known values, shape (n,), to the rest; n > 0."""
+    return np.clip(values, *np.quantile(values, WITHOUT_WORST))
 
 
 def calmed(values: FloatArray, error_variance: float) -> FloatArray:

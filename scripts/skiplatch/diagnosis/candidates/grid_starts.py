@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 from scipy import optimize
 
-from skiplatch.arrays import FloatArray
+from skiplatch.arrays import FloatArray, winsorised
 from skiplatch.diagnosis.candidates.positions import positions
 from skiplatch.diagnosis.candidates.starts import later_us, unknown_sigma
 from skiplatch.diagnosis.density.change import Change
@@ -20,7 +20,6 @@ from skiplatch.units import DEG_PER_TURN, UM_PER_MM
 
 MOST_VALUES = 2000
 """By which lines are told, of more."""
-WITHOUT_WORST = (0.02, 0.98)
 CLEAR = 6.0
 """Standard deviations over which ages spread that are not all the same."""
 SHARP_AGE = 0.1
@@ -105,7 +104,7 @@ def holds(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
         return usual
     # Where feeds are far apart, the age shows at the fastest touches alone.
     sharp = rows & (unsure_us <= np.sort(unsure_us[rows])[FEWEST_STAMPS - 1])
-    span_us = float(np.ptp(np.quantile(ages_us[sharp], WITHOUT_WORST)))
+    span_us = float(np.ptp(winsorised(ages_us[sharp])))
     is_news = span_us > CLEAR * float(unsure_us[sharp].max())
     sharp = rows & (unsure_us < SHARP_AGE * span_us)
     if not is_news or not sharp.any():

@@ -6,7 +6,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from skiplatch.arrays import BoolArray, FloatArray, IndexArray
+from skiplatch.arrays import BoolArray, FloatArray, IndexArray, winsorised
 from skiplatch.campaign import LINEAR_AXES, Axis
 from skiplatch.diagnosis.candidates.positions import Positions, positions, surfaces_show
 from skiplatch.diagnosis.candidates.starts import robust_fit, scale_beside
@@ -28,8 +28,6 @@ WORTH_AN_ORDER = 8.0
 """Squares, weighted, that one order more has to leave less to be proposed."""
 FEWEST_ON_AXIS = 16
 """Touches of an axis that show a sine of its own."""
-WINSOR = 0.02
-"""Share of the errors at either end that is cut to the rest."""
 TURN_DEG = 360.0
 WORTH_A_SWITCH = 4.0
 """Squares, weighted, that the surface's coordinate has to leave less than that of the latch."""
@@ -69,11 +67,10 @@ def _sines(scene: Scene, seen: Positions, place: FloatArray) -> list[tuple[float
     # A touch that goes too far is to either side of its position, by its sense.
     data = scene.sign[rows, None] * seen.data
     error_um = _beside_datum(scene.sign[rows] * seen.off_um, data, seen.spread_um)
-    limited = np.clip(error_um, *np.quantile(error_um, [WINSOR, 1.0 - WINSOR]))
     # Between places that lie evenly, a faster wave looks like a slower one.
     fastest = min(FASTEST_PER_MM, 1.0 / (scene.whole or scene).shortest_wave_mm)
     weights = 1.0 / seen.spread_um**2
-    return _Seen(place[rows], limited, weights, data, on_axes, fastest).starts()
+    return _Seen(place[rows], winsorised(error_um), weights, data, on_axes, fastest).starts()
 
 
 def _beside_datum(error: FloatArray, data: FloatArray, spread: FloatArray) -> FloatArray:

@@ -3,10 +3,8 @@
 import numpy as np
 from scipy import stats
 
-from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.arrays import BoolArray, FloatArray, winsorised
 
-CALM = (0.02, 0.98)
-"""Quantiles beyond which values count no further for a spread."""
 FAR = 6.0
 """Standard deviations beyond all plays from which on a touch is far off."""
 
@@ -30,11 +28,11 @@ def wider(off: FloatArray, played: FloatArray) -> float:
 
 
 def _calm_mean(values: FloatArray) -> float:
-    return float(np.mean(np.clip(values, *np.quantile(values, CALM))))
+    return float(np.mean(winsorised(values)))
 
 
 def _calm_spread(values: FloatArray) -> float:
-    return float(np.std(np.clip(values, *np.quantile(values, CALM))))
+    return float(np.std(winsorised(values)))
 
 
 def scatter(values: FloatArray) -> float:
