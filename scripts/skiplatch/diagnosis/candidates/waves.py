@@ -13,6 +13,7 @@ from skiplatch.diagnosis.candidates.starts import robust_fit, scale_beside
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.scene.periodogram import explained_by_sines
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.units import DEG_PER_TURN
 
 FEWEST_TURNS = 0.5
 FASTEST_PER_MM = 2.0
@@ -28,7 +29,6 @@ WORTH_AN_ORDER = 8.0
 """Squares, weighted, that one order more has to leave less to be proposed."""
 FEWEST_ON_AXIS = 16
 """Touches of an axis that show a sine of its own."""
-TURN_DEG = 360.0
 WORTH_A_SWITCH = 4.0
 """Squares, weighted, that the surface's coordinate has to leave less than that of the latch."""
 UNKNOWN = [1.0, 10.0, 1.0, *[0.0] * 10]
@@ -152,7 +152,8 @@ class _Seen:
         sizes, phases_deg = _polar(found.reshape(len(self.axes), 3)[:, :2])
         more, ahead_deg = [0.0] * len(LINEAR_AXES), [0.0] * len(LINEAR_AXES)
         for k, size, phase_deg in zip(self.axes, sizes, phases_deg, strict=True):
-            more[k], ahead_deg[k] = size / sizes[0] - 1.0, (phase_deg - phases_deg[0]) % TURN_DEG
+            more[k] = size / sizes[0] - 1.0
+            ahead_deg[k] = (phase_deg - phases_deg[0]) % DEG_PER_TURN
         first = [sizes[0], 1.0 / per_mm, phases_deg[0], *[0.0] * 2 * (MOST_ORDERS - 1)]
         return left, [*first, *more[Axis.Y :], *ahead_deg[Axis.Y :]]
 

@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from skiplatch.arrays import BoolArray, FloatArray, is_varied
 from skiplatch.campaign.column_kinds import NOT_RECORDED
+from skiplatch.diagnosis.scene.nominal_chain import LOBES
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.units import DEG_PER_TURN
 
 CYCLES = (2, 3, 4, 5, 6, 7, 8, 10, 12)
 """Touches after which a cycle in the sequence that is looked for comes back."""
@@ -47,12 +49,12 @@ def conditions(scene: Scene) -> Mapping[str, FloatArray]:
         "sense": touches.sign,
         "axis": np.where(touches.axis == NOT_RECORDED, np.nan, touches.axis),
         "path": touches.path,
-        "azimuth": touches.alpha_deg % 360.0,
+        "azimuth": touches.alpha_deg % DEG_PER_TURN,
         "azimuth (cosine)": np.cos(alpha) * np.cos(beta),
         "azimuth (sine)": np.sin(alpha) * np.cos(beta),
-        "azimuth within a lobe": touches.alpha_deg % 120.0,
+        "azimuth within a lobe": touches.alpha_deg % (DEG_PER_TURN / LOBES),
         "elevation": touches.beta_deg,
-        "rotary angle": touches.rotary_deg % 360.0,
+        "rotary angle": touches.rotary_deg % DEG_PER_TURN,
         "rotary angle (cosine)": np.cos(rotary),
         "rotary angle (sine)": np.sin(rotary),
         "temperature": touches.temp_c,
@@ -75,7 +77,7 @@ def sequence(scene: Scene) -> Mapping[str, FloatArray]:
         "way since the touch before": np.abs(order.since(position)),
         "signed way since the touch before": order.since(position),
         "turn since the touch before": np.cos(np.deg2rad(order.since(touches.alpha_deg))),
-        "direction of the touch before": order.back(touches.alpha_deg, 1) % 360.0,
+        "direction of the touch before": order.back(touches.alpha_deg, 1) % DEG_PER_TURN,
         "sense of the touch before": order.back(touches.sign, 1),
         "feed of the touch before": order.back(touches.feed_mm_min, 1),
         "axis of the touch before": order.back(touches.axis.astype(float), 1),
