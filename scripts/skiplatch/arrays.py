@@ -28,6 +28,13 @@ def is_varied(values: FloatArray) -> bool:
     return bool(len(known) and np.ptp(known) > 0.0)
 
 
+def drawn(count: int, most: int, seed: int) -> IndexArray:
+    """Number things, of which there are `count`: at most so many, drawn evenly, in their order."""
+    if count <= most:
+        return np.arange(count)
+    return np.sort(np.random.default_rng(seed).choice(count, most, replace=False))
+
+
 def winsorised(values: FloatArray) -> FloatArray:
     """Cut the few least and greatest of known values, shape (n,), to the rest; n > 0."""
     return np.clip(values, *np.quantile(values, WITHOUT_WORST))

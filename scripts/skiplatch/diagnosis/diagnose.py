@@ -5,7 +5,6 @@ from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from skiplatch.campaign import Campaign, fingerprint
@@ -23,7 +22,6 @@ from skiplatch.diagnosis.reported.diagnosis import Diagnosis, Ranked
 from skiplatch.diagnosis.reported.notes import first_touch, notes
 from skiplatch.diagnosis.reported.wanting import MOST_TOUCHES
 from skiplatch.diagnosis.reported.where import places
-from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.scored import Scored
 from skiplatch.diagnosis.verdict.conclude import Conclusion, concluded
 from skiplatch.diagnosis.verdict.named import sure
@@ -56,7 +54,7 @@ def diagnose(
         is_shown: A terminal shows how much is done.
     """
     whole = scene_of(campaign)
-    scene = _drawn(whole, seed)
+    scene = whole.drawn(MOST_TOUCHES, seed)
     executor = processes(jobs) if jobs > 1 else nullcontext()
     counted = partial(Counted, title="diagnosing") if is_shown else nullcontext
     # Products here are small: threads that wait for them take a processor from others.
@@ -96,14 +94,6 @@ def _begun(work: Work) -> tuple[Work, FittedDatum]:
     there = Work(met, work.pool, work.seed, work.jobs, work.materiality)
     is_all = gained > WORTH_MOVING and not there.is_noticed
     return (there, surface) if is_all else (work, FittedDatum())
-
-
-def _drawn(scene: Scene, seed: int) -> Scene:
-    """Draw touches from a large campaign, in order of time."""
-    if len(scene) <= MOST_TOUCHES:
-        return scene
-    rows = np.random.default_rng(seed).choice(len(scene), MOST_TOUCHES, replace=False)
-    return scene.select(np.sort(rows))
 
 
 def _diagnosis(work: Work, found: Conclusion) -> Diagnosis:

@@ -4,9 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.arrays import BoolArray, FloatArray, drawn
 from skiplatch.campaign import Campaign, InputPath, Touches
 from skiplatch.comparison.observables import ALL_OBSERVABLES, OF_LINEAR_AXES, Observable
 from skiplatch.diagnosis import Diagnosis
@@ -110,7 +109,7 @@ class Evidence:
 def gather(campaign: Campaign, diagnosis: Diagnosis, *, seed: int, jobs: int) -> Evidence:
     """Play a campaign with and without the effects found."""
     touches = campaign.touches.in_order_of_time()
-    rows = _drawn(len(touches), seed)
+    rows = drawn(len(touches), MOST_TOUCHES, seed)
     shown = touches.select(rows)
     before = _play(diagnosis.believed, shown, seed, jobs)
     after = _play(diagnosis.rig, shown, seed, jobs) if diagnosis.effects else None
@@ -125,13 +124,6 @@ def gather(campaign: Campaign, diagnosis: Diagnosis, *, seed: int, jobs: int) ->
         conditions=[condition.select(rows) for condition in found],
         stood_in=campaign.stood_in,
     )
-
-
-def _drawn(count: int, seed: int) -> NDArray[np.intp]:
-    if count <= MOST_TOUCHES:
-        return np.arange(count)
-    drawn = np.random.default_rng(seed).choice(count, MOST_TOUCHES, replace=False)
-    return np.sort(drawn)
 
 
 def _play(rig: Rig, touches: Touches, seed: int, jobs: int) -> Outcomes:

@@ -96,9 +96,7 @@ class Beside:
             seed: Of the plays, and of the forests that look at them.
             jobs: Threads to play on.
         """
-        if len(scene) > MOST_TOUCHES:
-            some = np.random.default_rng(seed).choice(len(scene), MOST_TOUCHES, replace=False)
-            scene = scene.select(np.sort(some))
+        scene = scene.drawn(MOST_TOUCHES, seed)
         # What a touch does may depend on those before it, whether they are looked at or not.
         sequence, rows = scene.in_sequence(MOST_PLAYED)
         outcomes = rig.play(sequence.touches, seed=seed, replicates=PLAYS, jobs=jobs).select(rows)

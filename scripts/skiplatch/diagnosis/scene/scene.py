@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from skiplatch.arrays import BoolArray, FloatArray, IndexArray
+from skiplatch.arrays import BoolArray, FloatArray, IndexArray, drawn
 from skiplatch.campaign import Campaign, Nominal
 from skiplatch.campaign.datum_names import datum_names, datum_senses
 from skiplatch.diagnosis.density.change import NOTHING, Change
@@ -83,6 +83,10 @@ class Scene(NominalChain):
         """Give some of the touches."""
         chosen = np.arange(len(self))[rows]
         return replace(self, touches=self.touches.select(rows), whole=self, chosen=chosen)
+
+    def drawn(self, most: int, seed: int) -> "Scene":
+        """Give at most so many touches, drawn evenly, in their order."""
+        return self if len(self) <= most else self.select(drawn(len(self), most, seed))
 
     def in_sequence(self, most: int) -> tuple["Scene", IndexArray]:
         """Give the largest scene, of at most so many touches, that this one is a part of.
