@@ -33,6 +33,11 @@ class Extra:
     boxless: FloatArray | float = 0.0
     """1 where the widest box of the law is not there for these touches."""
 
+    def middle(self, box: FloatArray) -> FloatArray:
+        """Give its mean, less that of the law's widest box where this is not there; shape (n,)."""
+        gone = np.asarray(self.boxless) * box / 2.0
+        return np.asarray(self.offset + np.asarray(self.width) / 2.0 + self.mean - gone)
+
     def with_share(self, share: float) -> "Extra":
         """Give the same for another share of the touches."""
         # A copy by dataclasses.replace takes several times as long; searches ask by the thousand.
@@ -83,8 +88,7 @@ class Law:
         """Mean of each residual; shape (n,)."""
         mean = self.offset + (self.box_a + self.box_b) / 2.0
         for e in self.extras:
-            gone = np.asarray(e.boxless) * self.box_a / 2.0
-            mean = mean + e.share * (e.offset + np.asarray(e.width) / 2.0 + e.mean - gone)
+            mean = mean + e.share * e.middle(self.box_a)
         return np.asarray(mean)
 
     @cached_property
@@ -144,8 +148,7 @@ def extra_variance(law: Law) -> FloatArray:
     """Variance that extras add to each residual; shape (n,)."""
     mean, square = np.zeros_like(law.offset), np.zeros_like(law.offset)
     for e in law.extras:
-        gone = np.asarray(e.boxless) * law.box_a / 2.0
-        middle = np.asarray(e.offset) + np.asarray(e.width) / 2.0 + np.asarray(e.mean) - gone
+        middle = e.middle(law.box_a)
         inner = np.asarray(e.width) ** 2 / 12.0 + np.asarray(e.mean) ** 2
         inner = inner + np.asarray(e.sigma) ** 2 - np.asarray(e.boxless) * law.box_a**2 / 12.0
         mean = mean + e.share * middle
