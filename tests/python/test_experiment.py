@@ -399,7 +399,7 @@ def test_exponents_are_those_of_known_distributions() -> None:
 
 def test_bits_and_touches_needed_are_those_of_known_distributions() -> None:
     known, played = (normal_samples(1.0, 60, 400, seed) for seed in (1, 2))
-    trial = Trial.of(log_likelihoods({"x": known}, {"x": played}))
+    trial = Trial.of(log_likelihoods({"x": known}, {"x": played}), np.array([0, 1]))
 
     def left(x: float) -> float:
         return float(stats.norm.pdf(x) * np.log2(1.0 + np.exp(x - 0.5)))
@@ -411,9 +411,9 @@ def test_bits_and_touches_needed_are_those_of_known_distributions() -> None:
     assert trial.touches_needed == pytest.approx(needed, abs=6)
 
 
-def test_equal_models_share_a_group() -> None:
+def test_no_touches_tell_models_of_one_group_apart() -> None:
     known, played = (normal_samples(0.0, 60, 192, seed) for seed in (1, 2))
-    trial = Trial.of(log_likelihoods({"x": known}, {"x": played}))
+    trial = Trial.of(log_likelihoods({"x": known}, {"x": played}), np.array([0, 0]))
 
     assert trial.count == 1
     assert trial.touches_needed is None

@@ -5,7 +5,6 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
 from scipy.special import log_softmax
 
 from skiplatch.arrays import FloatArray
@@ -36,15 +35,12 @@ class Trial:
     bits_per_touch: float
 
     @classmethod
-    def of(cls, log_likelihoods: FloatArray, groups: NDArray[np.intp] | None = None) -> Self:
+    def of(cls, log_likelihoods: FloatArray, groups: NDArray[np.intp]) -> Self:
         """Judge r experiments of n touches by each of m models; shape (m, m, r, n).
 
-        The first index is the model that judges, the second the one that is true. The groups are
-        found, unless they are given.
+        The first index is the model that judges, the second the one that is true.
         """
         so_far = np.cumsum(log_likelihoods, axis=3)
-        if groups is None:
-            groups = _groups(so_far[..., -1])
         per_touch = float(_bits(log_likelihoods).mean())
         return cls(
             groups=groups,
@@ -58,15 +54,6 @@ class Trial:
     def count(self) -> int:
         """Number of groups."""
         return int(self.groups.max()) + 1
-
-
-def _groups(final: FloatArray) -> NDArray[np.intp]:
-    """Put models together that are mistaken for each other; `final` of shape (m, m, r)."""
-    models = np.arange(len(final))
-    ahead = final[models, models][None] - final  # [judge, truth]: lead of the truth
-    right = (ahead > 0.0).mean(axis=2)
-    mistaken = np.minimum(right, right.T) < SURE
-    return np.asarray(connected_components(mistaken, directed=False)[1], dtype=np.intp)
 
 
 def _needed(so_far: FloatArray, groups: NDArray[np.intp]) -> int | None:
