@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy import optimize
 
+from law_densities import laid_out, law_log_density
 from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machine
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, Campaign, InputPath, Kind, Touches, read_campaign
@@ -330,7 +331,7 @@ def by_brute_force(
     def cost(length: float, here: np.ndarray) -> float:
         off = values[here] - length * per_length[here]
         believed = 0.0 if u is None else 0.5 * (length / u) ** 2
-        return believed - float(law.select(here).log_density(off, REACH).sum())
+        return believed - float(law_log_density(law.select(here), off, REACH).sum())
 
     best = []
     for group in range(int(groups.max()) + 1):
@@ -379,7 +380,7 @@ def at_best_datum(
     """Give the likeliest length of each group, and the logarithms of the densities there."""
     ffi, library = connection()
     found, logs = np.zeros(int(groups.max()) + 1), np.full(len(values), -np.inf)
-    residuals, _kept = law.laid_out(values, REACH).for_c()
+    residuals, _kept = laid_out(law, values, REACH)
     numbers = groups.astype(np.uint32)
     parts = ffi.from_buffer("double[]", per_length), ffi.from_buffer("uint32_t[]", numbers)
     code = library.sim_law_at_best_datum(
@@ -406,7 +407,7 @@ def test_the_likeliest_length_of_each_group_is_that_of_brute_force(
     found, logs = at_best_datum(law, values, per_length, groups, u)
 
     np.testing.assert_allclose(
-        logs, law.log_density(values - found[groups] * per_length, REACH), atol=1e-9
+        logs, law_log_density(law, values - found[groups] * per_length, REACH), atol=1e-9
     )
     believed = 0.0 if u is None else 0.5 * (found / u) ** 2
     reached = np.bincount(groups, logs) - believed
@@ -422,7 +423,7 @@ def test_what_is_believed_is_never_likelier_than_the_likeliest_length(name: str)
 
     _, logs = at_best_datum(law, values, ONES, groups, None)
 
-    assert logs.sum() >= law.log_density(values, REACH).sum() - 1e-9
+    assert logs.sum() >= law_log_density(law, values, REACH).sum() - 1e-9
 
 
 def test_the_likeliest_length_is_found_where_the_middle_is_far_from_it() -> None:

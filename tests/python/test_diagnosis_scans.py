@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from law_densities import law_log_density
 from played_campaigns import BENCH, played
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.grid_starts import _coarsest
@@ -44,7 +45,7 @@ def test_no_phase_of_late_scans_fits_better_than_the_one_that_is_chosen(
     law = law_under(scene, stream, change).select(stream.rows)
     stamps = scene.touches.latch_us[stream.rows]
     phases = np.arange(0.0, period, 1.0)
-    totals = [law.log_density((stamps - phase) % period, period).sum() for phase in phases]
+    totals = [law_log_density(law, (stamps - phase) % period, period).sum() for phase in phases]
 
     found = likelihood(scene, change, names=["lattice"]).total
 
@@ -68,7 +69,7 @@ def test_the_phase_is_found_to_a_tick_however_fine_that_is(tick_us: float) -> No
     stamps = scene.touches.latch_us[stream.rows]
     phases = 711.3 + tick_us * np.arange(-3.0, 3.0, 0.1)
     turned = [(stamps - phase + period / 2.0) % period - period / 2.0 for phase in phases]
-    best = max(law.log_density(off, period).sum() for off in turned)
+    best = max(law_log_density(law, off, period).sum() for off in turned)
 
     found = likelihood(scene, change, names=["lattice"]).total
 

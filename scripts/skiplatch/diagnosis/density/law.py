@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch.arrays import BoolArray, FloatArray, median
-from skiplatch.diagnosis.density.residuals import Residuals
 
 SMALLEST = 1e-4
 """Scatter in µs or µm below which nothing is resolved, so that no density becomes infinite."""
@@ -111,19 +110,6 @@ class Law:
     def usual_spread(self) -> float:
         """Median of the spread, n > 0."""
         return median(self.spread)
-
-    def log_density(self, residuals: FloatArray, reach: float) -> FloatArray:
-        """Logarithm of the density of each residual, shape (n,).
-
-        Args:
-            residuals: Shape (n,).
-            reach: Width over which a contaminated residual may lie anywhere.
-        """
-        return self.laid_out(residuals, reach).log_densities()
-
-    def laid_out(self, residuals: FloatArray, reach: float) -> Residuals:
-        """Lay residuals out with this law, for more than their density."""
-        return Residuals.of(residuals, self, self.extras, reach, SMALLEST)
 
 
 def spliced(parts: Sequence[tuple[BoolArray, Law]]) -> Law:

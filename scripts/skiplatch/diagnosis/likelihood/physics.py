@@ -14,7 +14,6 @@ from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.density.change import Change, Number, both
 from skiplatch.diagnosis.density.datum import BY_STAMPS
 from skiplatch.diagnosis.density.law import SMALLEST, Extra
-from skiplatch.diagnosis.density.residuals import fill
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.likelihood.scan_wait import other_waits, scan_period_us
 from skiplatch.diagnosis.scene.scene import Scene
@@ -117,6 +116,12 @@ def _recorded(stream: Stream) -> tuple[LaidOut, LaidOut]:
         member.at[0].far = stream.far
         _RECORDED[stream] = recorded, member
     return _RECORDED[stream]
+
+
+def fill(rows: NDArray[np.void], source: object) -> None:
+    """Give structures the values of the attributes that are named like their fields."""
+    for name in rows.dtype.fields or ():
+        rows[name] = getattr(source, name)
 
 
 @cache
