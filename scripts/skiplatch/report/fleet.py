@@ -108,7 +108,6 @@ class Rig:
 
     number: int
     name: str
-    has_changed: bool
     cells: Sequence[Cell]
     facts: Sequence[Fact]
 
@@ -136,7 +135,7 @@ def as_html(findings: Findings, *, store: str, weeks: int) -> str:
     changed = {change.rig for change in findings.recent}
     order = sorted(findings.history, key=lambda rig: (rig not in changed, rig))
     began = {(change.rig, change.began) for change in findings.changes}
-    rigs = _rigs({rig: findings.history[rig] for rig in order}, shown, changed, began)
+    rigs = _rigs({rig: findings.history[rig] for rig in order}, shown, began)
     numbers = {rig.name: rig.number for rig in rigs}
     ways = _ways(findings.history)
     return render(
@@ -186,7 +185,6 @@ def _monday(time: datetime) -> date:
 def _rigs(
     history: History,
     weeks: Sequence[date],
-    changed: set[str],
     began: set[tuple[str, datetime]],
 ) -> list[Rig]:
     rigs, row = [], 0
@@ -198,7 +196,7 @@ def _rigs(
         starts = {time for rig, time in began if rig == name}
         cells = [_cell(by_week.get(week), rows, starts) for week in weeks]
         facts = [_fact(one, rows[one.campaign]) for one in newest]
-        rigs.append(Rig(number, name, name in changed, cells, facts))
+        rigs.append(Rig(number, name, cells, facts))
     return rigs
 
 
