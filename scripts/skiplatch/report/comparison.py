@@ -9,8 +9,7 @@ from skiplatch.comparison.text import FREE_DATUM, header, missed_line, row, verd
 from skiplatch.figures.comparison import cell_panel, shown_feeds
 from skiplatch.figures.inline import Drawing
 from skiplatch.report import glossary
-from skiplatch.report.layout import render
-from skiplatch.report.words import Table
+from skiplatch.report.layout import Table, render
 
 TEMPLATE = "comparison.html"
 

@@ -19,8 +19,7 @@ from skiplatch.figures.compensation import (
     scale,
 )
 from skiplatch.figures.inline import Drawing
-from skiplatch.report.layout import render
-from skiplatch.report.words import Table
+from skiplatch.report.layout import Table, render
 from skiplatch.units import S_PER_MIN
 
 TEMPLATE = "compensation.html"

@@ -16,8 +16,7 @@ from skiplatch.fleet.findings import (
 )
 from skiplatch.fleet.history import Entry, History, Parameter
 from skiplatch.report import glossary
-from skiplatch.report.layout import render
-from skiplatch.report.words import Table
+from skiplatch.report.layout import Table, render
 from skiplatch.tables import NOTHING, compact, counted
 from skiplatch.ways import ARCSEC, LENGTH, Ways
 

@@ -11,9 +11,9 @@ from skiplatch.kinematics.correction import ANGLES, CHECK
 from skiplatch.kinematics.evaluation import AxisResult, Evaluation
 from skiplatch.kinematics.machine import LETTERS, RotaryAxis, Vector
 from skiplatch.kinematics.recorded import PARAMETERS_OF_AXIS
-from skiplatch.report.kinematics_grid import LoggedGrid, Rows, lay_out_grid
+from skiplatch.report.kinematics_grid import LoggedGrid, lay_out_grid
 from skiplatch.report.kinematics_tables import location_errors_table, positions_table, results_table
-from skiplatch.report.layout import render
+from skiplatch.report.layout import Table, render
 from skiplatch.units import UM_PER_MM
 
 TEMPLATE = "kinematics.html"
@@ -55,7 +55,7 @@ class AxisSection:
 
     letter: str
     facts: list[tuple[str, str]]
-    positions: Rows
+    positions: Table
     charts: dict[str, Drawing]
 
 

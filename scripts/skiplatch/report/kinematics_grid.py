@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from skiplatch.kinematics.grid_evaluation import DELETE, GridEvaluation
 from skiplatch.kinematics.machine import LETTERS
+from skiplatch.report.layout import Table
 from skiplatch.units import UM_PER_MM
 
 MODES = {-1: "delete the compensation", 0: "check the grid", 1: "compensate over the grid"}
@@ -25,14 +26,6 @@ class LoggedGrid:
     effort: str
     end: str
     notes: Sequence[str] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Rows:
-    """A table of the page."""
-
-    header: tuple[str, ...]
-    rows: Sequence[tuple[str, ...]]
 
 
 def lay_out_grid(logged: LoggedGrid, place: int) -> dict[str, object]:
@@ -79,7 +72,7 @@ def facts(evaluation: GridEvaluation) -> list[tuple[str, str]]:
     ]
 
 
-def _positions(evaluation: GridEvaluation) -> Rows:
+def _positions(evaluation: GridEvaluation) -> Table:
     letters = [letter for letter in LETTERS if letter in evaluation.believed.letters]
     header = (
         *(f"{letter}, deg" for letter in letters),
@@ -96,4 +89,4 @@ def _positions(evaluation: GridEvaluation) -> Rows:
             evaluation.angle_deg, evaluation.off_mm, evaluation.distance_mm, strict=True
         )
     ]
-    return Rows(header, rows)
+    return Table(header, rows)

@@ -3,10 +3,10 @@
 from skiplatch.kinematics.evaluation import AxisResult, Evaluation
 from skiplatch.kinematics.firmware import Estimate
 from skiplatch.kinematics.machine import LETTERS
-from skiplatch.report.kinematics_grid import Rows
+from skiplatch.report.layout import Table
 
 
-def positions_table(axis: AxisResult) -> Rows:
+def positions_table(axis: AxisResult) -> Table:
     """Give the errors of an axis at its positions."""
     header = (
         f"{axis.letter}, deg",
@@ -17,10 +17,10 @@ def positions_table(axis: AxisResult) -> Rows:
         (f"{angle:g}", *(f"{v:+z.4f}" for v in (*before, *after)))
         for angle, before, after in zip(axis.angle_deg, axis.before_mm, axis.after_mm, strict=True)
     ]
-    return Rows(header, rows)
+    return Table(header, rows)
 
 
-def results_table(evaluation: Evaluation) -> Rows:
+def results_table(evaluation: Evaluation) -> Table:
     """Give Q141 to Q149."""
     offset = "offset" if evaluation.preset_off_mm is None else "sphere off the preset"
     meanings = {
@@ -32,7 +32,7 @@ def results_table(evaluation: Evaluation) -> Rows:
         (f"Q{q}", "−1" if value == -1.0 else f"{value:z.4f}", meanings[q])
         for q, value in evaluation.q_parameters().items()
     ]
-    return Rows(("parameter", "mm", "meaning"), rows)
+    return Table(("parameter", "mm", "meaning"), rows)
 
 
 def _estimates(evaluation: Evaluation) -> list[tuple[str, Estimate]]:
@@ -41,10 +41,10 @@ def _estimates(evaluation: Evaluation) -> list[tuple[str, Estimate]]:
     return [*fit.parameters.items(), *((c.name, c.estimate) for c in fit.combinations)]
 
 
-def location_errors_table(evaluation: Evaluation) -> Rows:
+def location_errors_table(evaluation: Evaluation) -> Table:
     """Give the location errors that are determined."""
     rows = [
         (name, f"{e.value:+z.2f}", f"{e.uncertainty:.2f}", e.unit)
         for name, e in _estimates(evaluation)
     ]
-    return Rows(("ISO 230-7", "actual − believed", "standard uncertainty", "unit"), rows)
+    return Table(("ISO 230-7", "actual − believed", "standard uncertainty", "unit"), rows)

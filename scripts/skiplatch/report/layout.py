@@ -1,9 +1,20 @@
 """Pages of HTML from templates: no script, nothing from elsewhere, light and dark."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from skiplatch.figures.inline import VARIABLES
 from skiplatch.figures.theme import DARK
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table of a page: cells are text, the first of a row names it."""
+
+    header: Sequence[str]
+    rows: Sequence[Sequence[str]]
 
 
 def render(template: str, **content: object) -> str:

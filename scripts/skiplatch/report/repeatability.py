@@ -5,8 +5,7 @@ from collections.abc import Sequence
 from skiplatch.figures.repeatability import repeatability_panel
 from skiplatch.repeatability_words import OfPath
 from skiplatch.report import glossary
-from skiplatch.report.layout import render
-from skiplatch.report.words import Table
+from skiplatch.report.layout import Table, render
 from skiplatch.tables import number
 
 TEMPLATE = "repeatability.html"

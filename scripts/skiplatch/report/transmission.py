@@ -1,8 +1,7 @@
 """A transmission error as one page of HTML: no script, nothing from elsewhere, light and dark."""
 
 from skiplatch.figures.transmission import draw_orders, draw_turn
-from skiplatch.report.layout import render
-from skiplatch.report.words import Table
+from skiplatch.report.layout import Table, render
 from skiplatch.tables import compact, number
 from skiplatch.transmission.measure import Chain, Measurement
 from skiplatch.transmission.text import orders_table, size_rows

@@ -10,6 +10,7 @@ from skiplatch.diagnosis.reported.where import Place
 from skiplatch.diagnosis.verdict.shrink import Gap
 from skiplatch.latch.text import TITLES
 from skiplatch.report.evidence import Missed
+from skiplatch.report.layout import Table
 from skiplatch.simulator.effects import effects
 from skiplatch.statistics import Interval
 from skiplatch.tables import NOTHING, number, with_interval
@@ -18,14 +19,6 @@ DIGITS = 3
 LEAST = 1e-3  # µm, arcsec or µs
 MOST_LEFT = 8
 PATHS = {"both": "both paths", "skip": "the skip path", "plc": "the PLC path"}
-
-
-@dataclass(frozen=True, slots=True)
-class Table:
-    """A table of the page: cells are text, the first of a row names it."""
-
-    header: Sequence[str]
-    rows: Sequence[Sequence[str]]
 
 
 @dataclass(frozen=True, slots=True)
