@@ -147,7 +147,7 @@ def _motion_json(motion: ErrorMotion) -> dict[str, object]:
 
 def _text(found: Fit, turns: Sequence[Circle]) -> str:
     rows = [
-        (name, number(e.value, 4), number(e.uncertainty, 2), e.unit) for name, e in _named(found)
+        (name, number(e.value, 4), number(e.uncertainty, 2), e.unit) for name, e in found.estimates
     ]
     lines = [
         table(("location error", "actual minus believed", "standard uncertainty", "unit"), rows)
@@ -167,10 +167,6 @@ def _text(found: Fit, turns: Sequence[Circle]) -> str:
 def _quality(found: Fit) -> str:
     residual = f"residual {number(found.residual_um, 3)} µm a coordinate"
     return f"{residual}; {found.unknowns} unknowns, rank {found.rank}"
-
-
-def _named(found: Fit) -> list[tuple[str, Estimate]]:
-    return [*found.parameters.items(), *((c.name, c.estimate) for c in found.combinations)]
 
 
 def _why(undetermined: Undetermined) -> str:

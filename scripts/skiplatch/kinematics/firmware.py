@@ -111,6 +111,11 @@ class Fit:
     rank: int
     freedom: int
 
+    @property
+    def estimates(self) -> list[tuple[str, Estimate]]:
+        """The location errors that are determined, and sums of others that are."""
+        return [*self.parameters.items(), *((c.name, c.estimate) for c in self.combinations)]
+
 
 def combination(amounts: Mapping[str, float]) -> str:
     """Write a sum of location errors, such as ``YOA-YOC`` or ``YOC+0.5*ZOA``."""

@@ -61,11 +61,7 @@ def _text(run: Run, evaluation: Evaluation) -> str:
     header = ("axis", "positions", "scatter before, µm", "after, µm", "greatest, µm", "backlash, ″")
     found = [
         f"{name} {e.value:+.2f} ± {e.uncertainty:.2f} {e.unit}"
-        for name, e in evaluation.fit.parameters.items()
-    ]
-    found += [
-        f"{c.name} {c.estimate.value:+.2f} ± {c.estimate.uncertainty:.2f} {c.estimate.unit}"
-        for c in evaluation.fit.combinations
+        for name, e in evaluation.fit.estimates
     ]
     left = ", ".join(u.name for u in evaluation.fit.undetermined)
     return "\n".join(

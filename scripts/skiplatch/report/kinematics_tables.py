@@ -1,7 +1,6 @@
 """Tables of the log of cycles 451 and 452: positions, Q parameters, location errors."""
 
 from skiplatch.kinematics.evaluation import AxisResult, Evaluation
-from skiplatch.kinematics.firmware import Estimate
 from skiplatch.kinematics.machine import LETTERS
 from skiplatch.report.layout import Table
 
@@ -35,16 +34,10 @@ def results_table(evaluation: Evaluation) -> Table:
     return Table(("parameter", "mm", "meaning"), rows)
 
 
-def _estimates(evaluation: Evaluation) -> list[tuple[str, Estimate]]:
-    """Give the determined location errors, and sums of others that are determined."""
-    fit = evaluation.fit
-    return [*fit.parameters.items(), *((c.name, c.estimate) for c in fit.combinations)]
-
-
 def location_errors_table(evaluation: Evaluation) -> Table:
     """Give the location errors that are determined."""
     rows = [
         (name, f"{e.value:+z.2f}", f"{e.uncertainty:.2f}", e.unit)
-        for name, e in _estimates(evaluation)
+        for name, e in evaluation.fit.estimates
     ]
     return Table(("ISO 230-7", "actual − believed", "standard uncertainty", "unit"), rows)
