@@ -35,6 +35,11 @@ def drawn(count: int, most: int, seed: int) -> IndexArray:
     return np.sort(np.random.default_rng(seed).choice(count, most, replace=False))
 
 
+def spaced(count: int, most: int) -> IndexArray:
+    """Number things, of which there are `count`: at most so many from the first to the last."""
+    return np.linspace(0, count - 1, min(count, most)).round().astype(np.intp)
+
+
 def winsorised(values: FloatArray) -> FloatArray:
     """Cut the few least and greatest of known values, shape (n,), to the rest; n > 0."""
     return np.clip(values, *np.quantile(values, WITHOUT_WORST))

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
 from matplotlib.axes import Axes
 
+from skiplatch.arrays import spaced
 from skiplatch.campaign import InputPath
 from skiplatch.comparison.model import Cell, CellGap, Comparison, feed_words
 from skiplatch.comparison.observables import ALL_OBSERVABLES, Observable
@@ -41,8 +41,7 @@ def draw_comparison(comparison: Comparison, folder: Path) -> list[Path]:
 def shown_feeds(pairs: Sequence[tuple[Cell, CellGap]]) -> list[float]:
     """All feeds, or some of them from the slowest to the fastest where there are many."""
     feeds = sorted({cell.feed_mm_min for cell, _ in pairs})
-    chosen = np.linspace(0, len(feeds) - 1, min(len(feeds), MOST_FEEDS)).round().astype(int)
-    return [feeds[i] for i in chosen]
+    return [feeds[i] for i in spaced(len(feeds), MOST_FEEDS)]
 
 
 def _draw(

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
-from skiplatch.arrays import FloatArray
+from skiplatch.arrays import FloatArray, spaced
 from skiplatch.figures import theme
 from skiplatch.figures.inline import Drawing, drawing, panel
 from skiplatch.tables import number
@@ -46,8 +46,7 @@ def shown_rings(beta_deg: FloatArray) -> list[float]:
     The pole is no ring: it has no azimuth.
     """
     rings = [float(beta) for beta in np.unique(beta_deg) if (beta_deg == beta).sum() > 1]
-    chosen = np.linspace(0, len(rings) - 1, min(len(rings), len(COLORS))).round().astype(int)
-    return [rings[i] for i in chosen]
+    return [rings[i] for i in spaced(len(rings), len(COLORS))]
 
 
 def scale(parts: Sequence[FloatArray]) -> tuple[float, float]:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from skiplatch.arrays import spaced
 from skiplatch.campaign import Campaign, InputPath
 from skiplatch.diagnosis import Diagnosis
 from skiplatch.diagnosis.experiment import Experiment
@@ -103,8 +104,7 @@ def _shown_feeds(evidence: Evidence, seen: Seen, path: InputPath) -> list[float]
     touches = evidence.touches
     rows = (touches.path == path) & (touches.turns == seen.observable.is_rotary)
     feeds = np.unique(touches.feed_mm_min[rows])
-    chosen = np.linspace(0, len(feeds) - 1, min(len(feeds), MOST_FEEDS)).round().astype(int)
-    return [float(feed) for feed in feeds[chosen]]
+    return [float(feed) for feed in feeds[spaced(len(feeds), MOST_FEEDS)]]
 
 
 def _residuals(evidence: Evidence) -> list[Drawing]:
