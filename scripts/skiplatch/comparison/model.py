@@ -94,6 +94,11 @@ class Comparison:
     is_datum_free: bool
     """Nobody knows where the surfaces are; the simulation has them where they are believed."""
 
+    def of(self, observable: Observable) -> list[tuple[Cell, CellGap]]:
+        """Give the cells of an observable, each with its gap."""
+        pairs = zip(self.cells, self.gaps, strict=True)
+        return [(cell, gap) for cell, gap in pairs if cell.observable is observable]
+
     @property
     def differing(self) -> Sequence[CellGap]:
         """The cells that differ by more than chance."""

@@ -27,12 +27,7 @@ def draw_comparison(comparison: Comparison, folder: Path) -> list[Path]:
     """Draw every observable that was recorded; gives the pictures written."""
     paths = []
     for observable in ALL_OBSERVABLES:
-        pairs = [
-            (cell, gap)
-            for cell, gap in zip(comparison.cells, comparison.gaps, strict=True)
-            if cell.observable is observable
-        ]
-        if pairs:
+        if pairs := comparison.of(observable):
             paths.append(folder / f"compare_{observable.name}.svg")
             _draw(paths[-1], observable, pairs, comparison.alpha)
     return paths

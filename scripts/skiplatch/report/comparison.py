@@ -52,12 +52,8 @@ def as_html(campaign: Campaign, comparison: Comparison, *, name: str) -> str:
 
 
 def _part(comparison: Comparison, observable: Observable) -> _Part:
-    pairs = [
-        (cell, gap)
-        for cell, gap in zip(comparison.cells, comparison.gaps, strict=True)
-        if cell.observable is observable
-    ]
-    feeds = shown_feeds(pairs) if pairs else []
+    pairs = comparison.of(observable)
+    feeds = shown_feeds(pairs)
     drawings = [
         cell_panel(f"{observable.name}-{i}", cell, gap)
         for i, (cell, gap) in enumerate(pairs)
