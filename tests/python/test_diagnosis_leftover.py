@@ -13,8 +13,9 @@ from played_campaigns import BENCH, MACHINE, played, played_again
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, Status, Touches, read_campaign
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
+from skiplatch.diagnosis.likelihood.likelihood import MISSED
 from skiplatch.diagnosis.plays.left import EVERYWHERE, RESOLVED, Left, Memo
-from skiplatch.diagnosis.plays.leftover import MISSED, NOTICED, Beside, left_over, noticed
+from skiplatch.diagnosis.plays.leftover import NOTICED, Beside, left_over, noticed
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.plays.replay import as_recorded
 from skiplatch.diagnosis.plays.scores import normal_scores

@@ -16,6 +16,7 @@ from scipy import stats
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.fit.material import Materiality
+from skiplatch.diagnosis.likelihood.likelihood import MISSED
 from skiplatch.diagnosis.plays.left import EVERYWHERE, Left, Memo
 from skiplatch.diagnosis.plays.look import FARTHEST, Look
 from skiplatch.diagnosis.plays.playing import Rig, has_like_grid
@@ -39,7 +40,6 @@ NOTICED = 3.5
 """Standard errors from which on something may be worth a search, which then decides."""
 LINE = 0.1
 """Share of a coarse step within which values lie on the same line."""
-MISSED = "missed"
 USUALLY_MISSED = 1e-3
 """Share of touches that any rig may miss."""
 

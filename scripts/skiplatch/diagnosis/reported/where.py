@@ -10,10 +10,10 @@ from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.density.law import Law
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.likelihood.laws import LATTICE, law_under
-from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.likelihood.likelihood import MISSED, likelihood
 from skiplatch.diagnosis.likelihood.scan_wait import scan_period_us
 from skiplatch.diagnosis.plays.left import EVERYWHERE, Left
-from skiplatch.diagnosis.plays.leftover import MISSED, STREAMS
+from skiplatch.diagnosis.plays.leftover import STREAMS
 from skiplatch.diagnosis.scene.grid import off_grid
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.decide import Finding
