@@ -17,6 +17,8 @@ from typing import Any
 from skiplatch.errors import InputError, quoted
 from skiplatch.undo import make_folders, replace, temporary_sibling
 
+Json = Any
+"""What a JSON document holds: anything."""
 MOST_JSON_BYTES = 64 << 20
 DAMAGE = (
     *(zipfile.BadZipFile, zlib.error, struct.error, EOFError, ValueError, OverflowError),
@@ -177,7 +179,7 @@ def read_text(path: Path, max_bytes: int) -> str:
         raise InputError(path, line, None, "not UTF-8 text") from error
 
 
-def read_json(path: Path, max_bytes: int = MOST_JSON_BYTES) -> Any:  # noqa: ANN401 - JSON is anything
+def read_json(path: Path, max_bytes: int = MOST_JSON_BYTES) -> Json:
     """Read a JSON document as `read_text` does.
 
     Raises:

@@ -1,10 +1,11 @@
 """Parameters of effects that were called otherwise before 0.2.0; their old names are still read."""
 
 from collections.abc import Mapping
-from typing import Any, TypeVar
+from typing import TypeVar
+
+from skiplatch.files import Json
 
 Value = TypeVar("Value")
-Json = Any
 
 PRESENT = {
     "y_more": "y_excess_ratio",

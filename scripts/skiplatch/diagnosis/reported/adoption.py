@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from statistics import NormalDist
-from typing import Any
 
 from skiplatch.campaign import FORMATS, BelievedEffect, Nominal, format_effect
 from skiplatch.campaign.nominal_toml import parse_nominal
@@ -12,9 +11,8 @@ from skiplatch.campaign.toml_text import read_toml_text
 from skiplatch.diagnosis.reported.document import effects_of
 from skiplatch.diagnosis.reported.schema import whole
 from skiplatch.errors import InputError
+from skiplatch.files import Json
 from skiplatch.simulator.effects import Effect, effects
-
-Json = Any
 
 FIRST_WITH_EFFECTS = 2
 """Version of the format."""

@@ -1,12 +1,9 @@
 """Whether the document of a diagnosis is of the touches that it is used with."""
 
 from pathlib import Path
-from typing import Any
 
 from skiplatch.errors import InputError
-from skiplatch.files import read_json
-
-Json = Any
+from skiplatch.files import Json, read_json
 
 
 def is_of(document: Json, known_as: str) -> bool:

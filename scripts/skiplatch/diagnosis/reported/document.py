@@ -13,10 +13,10 @@ from skiplatch.diagnosis.reported.diagnosis import Diagnosis
 from skiplatch.diagnosis.reported.schema import FORMAT, key_path, whole
 from skiplatch.diagnosis.verdict.named import Named
 from skiplatch.diagnosis.verdict.shrink import Gap
+from skiplatch.files import Json
 from skiplatch.simulator.effects import Effect
 from skiplatch.span import Span
 
-Json = Any
 SURFACE, COORDINATE = "surface_um", "coordinate_um"
 """What is off of a datum."""
 

@@ -7,12 +7,12 @@ is there has to be as the table says, whether or not a command reads it.
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any, NoReturn, TypeVar
+from typing import NoReturn, TypeVar
 
 from skiplatch.campaign.constraints import LARGEST
 from skiplatch.diagnosis.verdict.verdict import Verdict
 from skiplatch.errors import InputError, hint, one_line, quoted, shortened
-from skiplatch.files import read_json
+from skiplatch.files import Json, read_json
 from skiplatch.former_names import renewed
 from skiplatch.simulator.effects import effects
 
@@ -21,7 +21,6 @@ FORMATS = ("skiplatch-diagnosis/1", FORMAT)
 """Those that can be read."""
 LIMITS = f"from {-LARGEST:g} to {LARGEST:g}"
 
-Json = Any
 Taken = TypeVar("Taken")
 Check = Callable[[str, Json], None]
 """Raises ValueError for a value, given the path of its key."""
