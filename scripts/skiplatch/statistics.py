@@ -6,6 +6,8 @@ from typing import Self
 
 import scipy  # its parts load when they are first used, which takes most of a second
 
+from skiplatch.arrays import FloatArray
+
 CONFIDENCE = 0.95
 SMALLEST_CHANCE = 1e-300
 
@@ -44,6 +46,11 @@ def rate_bound(trials: int, confidence: float = CONFIDENCE) -> float:
     """Give what the rate of an event does not exceed that never came in so many trials."""
     test = scipy.stats.binomtest(0, trials, alternative="less")
     return float(test.proportion_ci(confidence).high)
+
+
+def robust_deviation(values: FloatArray) -> float:
+    """Give the standard deviation of a normal law with the same median absolute deviation."""
+    return float(scipy.stats.median_abs_deviation(values, scale="normal"))
 
 
 def mean(value: float, deviation: float, count: int, confidence: float = CONFIDENCE) -> Interval:

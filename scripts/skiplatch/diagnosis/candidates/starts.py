@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy import optimize, stats
+from scipy import optimize
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.surrogates import Parameters, warmth_k_s
@@ -14,6 +14,7 @@ from skiplatch.diagnosis.likelihood.laws import law_under
 from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um, shifted_by_datum
 from skiplatch.diagnosis.scene.grid import FEWEST_STAMPS
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.statistics import robust_deviation
 from skiplatch.units import MM_PER_M, S_PER_MIN, US_PER_H, US_PER_S
 
 Starts = Callable[[Scene, Change], Sequence[Sequence[float]]]
@@ -198,7 +199,7 @@ def scale_beside(columns: Sequence[FloatArray], scores: FloatArray) -> float:
     """Give the scatter of scores, shape (n,), beside multiples of columns, whatever some do."""
     found, _ = robust_fit(columns, scores)
     left = scores - np.column_stack(columns) @ found
-    return max(1.0, float(stats.median_abs_deviation(left, scale="normal")))
+    return max(1.0, robust_deviation(left))
 
 
 def robust_fit(

@@ -21,13 +21,13 @@ from skiplatch.diagnosis.plays.memory import remembered
 from skiplatch.diagnosis.plays.scan_place import off_in_scan
 from skiplatch.diagnosis.plays.scores import go_together, normal_scores
 from skiplatch.diagnosis.plays.setting import Setting
-from skiplatch.diagnosis.plays.size import apart, far_off, scatter, upper, wider
+from skiplatch.diagnosis.plays.size import apart, far_off, upper, wider
 from skiplatch.diagnosis.plays.telling import SMALLEST, told_by_forest, told_by_one
 from skiplatch.diagnosis.plays.turns import Turn, happens_in_turn, in_turn
 from skiplatch.diagnosis.plays.waves import Wave, waves_along
 from skiplatch.diagnosis.scene.covariates import WITHIN, before, varying
 from skiplatch.diagnosis.scene.observed import UNITS
-from skiplatch.statistics import errors_of, errors_of_excess
+from skiplatch.statistics import errors_of, errors_of_excess, robust_deviation
 
 FEWEST_FOR_FOREST = 25  # touches
 DIGITS = 6
@@ -239,7 +239,7 @@ class Look:
 
     def waves(self) -> Iterator[Left]:
         """Look for a wave in the position, in time or in the sequence: too fast for a forest."""
-        sizes = scatter(self.off), scatter(self.off / self.scale)
+        sizes = robust_deviation(self.off), robust_deviation(self.off / self.scale)
         for found in waves_along(self._setting.places, self._rows, self._scores):
             yield self._wave(found, sizes)
 

@@ -1,9 +1,9 @@
 """How large a difference between touches and their plays is: few far off count for little."""
 
 import numpy as np
-from scipy import stats
 
 from skiplatch.arrays import BoolArray, FloatArray, winsorised
+from skiplatch.statistics import robust_deviation
 
 FAR = 6.0
 """Standard deviations beyond all plays from which on a touch is far off."""
@@ -35,15 +35,10 @@ def _calm_spread(values: FloatArray) -> float:
     return float(np.std(winsorised(values)))
 
 
-def scatter(values: FloatArray) -> float:
-    """Give the standard deviation of a normal law with the same median absolute deviation."""
-    return float(stats.median_abs_deviation(values, scale="normal"))
-
-
 def far_off(off: FloatArray, reach: FloatArray | float, step: float) -> BoolArray:
     """Tell which touches, so far off the middle of their plays, are beyond all those reach."""
     known = off[~np.isnan(off)]
-    usual = FAR * max(scatter(known), step) if len(known) else 0.0
+    usual = FAR * max(robust_deviation(known), step) if len(known) else 0.0
     return np.abs(off) > 2.0 * reach + usual
 
 
