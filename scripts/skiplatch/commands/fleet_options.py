@@ -17,9 +17,6 @@ from skiplatch.fleet.budget import ALARMS_A_MONTH
 from skiplatch.fleet.reading import Answer
 from skiplatch.tables import NOTHING, number, table
 
-KEY_DIGITS = 12
-"""Of a campaign's key, as people see it; 1 in 10⁶ that two of 24,000 campaigns share them."""
-
 REFUSED = 2
 """Exit status if a campaign was refused."""
 

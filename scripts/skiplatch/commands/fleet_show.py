@@ -6,13 +6,13 @@ from typing import Any
 import click
 
 from skiplatch.commands.fleet_options import (
-    KEY_DIGITS,
     answer_text,
     in_own_units,
     plain,
     store_option,
 )
 from skiplatch.commands.options import json_option, write_json
+from skiplatch.fleet.layout import KEY_DIGITS
 from skiplatch.fleet.reading import opened
 from skiplatch.fleet.turned import turned_unit
 from skiplatch.tables import number

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import click
 
-from skiplatch.commands.fleet_options import KEY_DIGITS, plain, store_option
+from skiplatch.commands.fleet_options import plain, store_option
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.fleet.kept import read_kept
+from skiplatch.fleet.layout import KEY_DIGITS
 from skiplatch.fleet.reading import opened
 from skiplatch.fleet.verify import Damage, damages
 from skiplatch.progress import shown

@@ -17,6 +17,8 @@ FORMAT = "skiplatch-fleet/1"
 STORE_FILE, LOCK_FILE, INDEX_FILE = "store.json", "lock", "campaigns.parquet"
 TOUCHES, FOLDERS = "touches", "folders"
 ENDINGS = {TOUCHES: ".parquet", FOLDERS: ".zip"}
+KEY_DIGITS = 12
+"""Of a campaign's key, as people see it; 1 in 10⁶ that two of 24,000 campaigns share them."""
 LONGEST_RIG = 60
 MOST_RIG_BYTES = 240  # with "rig=" what a file system takes as a name
 _TEMPORARY = re.compile(r"\.skiplatch-[0-9a-f]{16}\.tmp")

@@ -15,6 +15,7 @@ from skiplatch.fleet.findings import (
     unlike_text,
 )
 from skiplatch.fleet.history import Entry, History, Parameter
+from skiplatch.fleet.layout import KEY_DIGITS
 from skiplatch.report import glossary
 from skiplatch.report.layout import Table, render
 from skiplatch.tables import NOTHING, compact, counted
@@ -23,7 +24,6 @@ from skiplatch.ways import ARCSEC, LENGTH, Ways
 TEMPLATE = "fleet.html"
 DIGITS, GAP_DIGITS = 3, 2
 DAY = "%Y\N{NON-BREAKING HYPHEN}%m\N{NON-BREAKING HYPHEN}%d"
-KEY_DIGITS = 12
 WEEK = timedelta(days=7)
 STEPS_UM, STEPS_ARCSEC = (1.0, 2.0, 5.0, 10.0, 20.0), (3.0, 6.0, 15.0, 30.0, 60.0)
 """Where the colour of a gap changes: 3″ are 1 µm some 70 mm from the axis."""
