@@ -13,6 +13,8 @@ S_PER_H = 3600.0
 UM_US_PER_MM_S = 1e-3
 """µm/µs in a mm/s."""
 DEG_PER_TURN = 360.0
+PER_CENT = 100.0
+"""In the whole of a share."""
 ARCSEC_PER_DEG = 3600.0
 ARCSEC_PER_MILLIDEGREE = 3.6
 """As many as count as a µm: a degree of a rotary axis counts as a millimetre."""

@@ -22,8 +22,7 @@ from skiplatch.compensation.probe_map import ProbeMap, read_map
 from skiplatch.compensation.speeds import read_speeds
 from skiplatch.compensation.uncertainty import Uncertainty, assess
 from skiplatch.played_files import read_playable
-
-PER_CENT = 100.0
+from skiplatch.units import PER_CENT
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,8 +11,8 @@ from skiplatch.compensation.probe_figures import Form, ProbeFigures
 from skiplatch.compensation.uncertainty import Uncertainty
 from skiplatch.statistics import Interval
 from skiplatch.tables import listing, number, table, whole, with_interval
+from skiplatch.units import PER_CENT
 
-PER_CENT = 100.0
 BUDGET_HEADER = ("source", "type", "distribution", "u", "unit", "c, µm per unit", "u·c, µm")
 FORM_HEADER = (
     "V_r, µm",

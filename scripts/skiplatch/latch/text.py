@@ -9,9 +9,9 @@ from skiplatch.latch.paths import PathResult, Results
 from skiplatch.latch.pulses import Pulses
 from skiplatch.statistics import Interval
 from skiplatch.tables import compact, number, table, whole, with_interval
+from skiplatch.units import PER_CENT
 
 TITLES = {InputPath.SKIP: "skip input", InputPath.PLC: "PLC task"}
-PER_CENT = 100.0
 COLUMNS = ("", "latency, µs", "95 % interval", "position error, µm", "95 % interval")
 
 

@@ -20,10 +20,9 @@ from skiplatch.figures.compensation import (
 )
 from skiplatch.figures.inline import Drawing
 from skiplatch.report.layout import Table, render
-from skiplatch.units import S_PER_MIN
+from skiplatch.units import PER_CENT, S_PER_MIN
 
 TEMPLATE = "compensation.html"
-PER_CENT = 100.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,11 +9,11 @@ from skiplatch.diagnosis.reported.diagnosis import Ranked
 from skiplatch.report.words import DIGITS
 from skiplatch.simulator.effects import Effect
 from skiplatch.tables import compact, whole
+from skiplatch.units import PER_CENT
 
 MOST_RANKED = 10
 HOPELESS_NATS = 30.0
 """Bars of what falls short by more are cut, and drawn broken."""
-PER_CENT = 100.0
 
 
 @dataclass(frozen=True, slots=True)
