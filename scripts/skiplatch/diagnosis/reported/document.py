@@ -26,18 +26,7 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
     return {
         "format": FORMAT,
         "verdict": diagnosis.verdict.value,
-        "where": [
-            {
-                "stage": p.stage,
-                "paths": p.paths,
-                "observable": p.observable,
-                "conditions": p.conditions,
-                "size": p.size,
-                "unit": p.unit,
-                "effects": list(p.effects),
-            }
-            for p in diagnosis.where
-        ],
+        "where": [{**asdict(one), "effects": list(one.effects)} for one in diagnosis.where],
         "effects": [
             {
                 "id": named.effect.id,
