@@ -8,9 +8,8 @@ import numpy as np
 from skiplatch.campaign import Campaign, DatumFreedom, Nominal, Touches
 from skiplatch.campaign.datum import Datum
 from skiplatch.diagnosis.experiment import words
-from skiplatch.diagnosis.experiment.rehearsal import REHEARSALS, Rehearsal
+from skiplatch.diagnosis.experiment.rehearsal import Rehearsal
 from skiplatch.diagnosis.experiment.rivals import NO_EFFECT, Model
-from skiplatch.diagnosis.plays.playing import Rig
 
 COLUMNS = frozenset({"deviation_um"})
 """Outcomes that such a log has."""
@@ -44,11 +43,8 @@ def not_told(
         return []
     all_models = [*models, NO_EFFECT]
     nominal, touches = as_imported(campaign.nominal, plan)
-    played = [
-        Rig(nominal, model).play(touches, seed=seed, replicates=REHEARSALS, jobs=jobs)
-        for model in all_models
-    ]
     rehearsal = Rehearsal.of(campaign, all_models)
+    played = rehearsal.played(nominal, touches, seed=seed, jobs=jobs)
     groups = rehearsal.groups(touches, played, COLUMNS, nominal).tolist()
     named = list(zip(map(words.name, all_models), groups, strict=True))
     tied = [tuple(name for name, other in named if other == group) for group in sorted(set(groups))]

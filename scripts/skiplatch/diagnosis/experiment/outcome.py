@@ -8,10 +8,9 @@ import numpy as np
 from skiplatch.campaign import Campaign
 from skiplatch.diagnosis.experiment.channels import recorded
 from skiplatch.diagnosis.experiment.joint import added_nats, as_fit, some, suited
-from skiplatch.diagnosis.experiment.rehearsal import REHEARSALS, Rehearsal
+from skiplatch.diagnosis.experiment.rehearsal import Rehearsal
 from skiplatch.diagnosis.experiment.rivals import NO_EFFECT, Model
 from skiplatch.diagnosis.fit.believed import scene_of
-from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.search.groups import TIED
 
 
@@ -51,10 +50,7 @@ def outcome(
     """
     before, new = Rehearsal.of(campaign, models), scene_of(further)
     added = [added_nats(before.old, new, fit) for fit in before.fits]
-    played = [
-        Rig(new.nominal, model).play(new.touches, seed=seed, replicates=REHEARSALS, jobs=jobs)
-        for model in models
-    ]
+    played = before.played(new.nominal, new.touches, seed=seed, jobs=jobs)
     columns = recorded(new.nominal, new.touches)
     groups = before.groups(new.touches, played, columns, new.nominal)
     best = int(np.argmax(added))

@@ -15,6 +15,7 @@ from skiplatch.diagnosis.experiment.joint import added_nats, as_fit, some, suite
 from skiplatch.diagnosis.experiment.rivals import Model
 from skiplatch.diagnosis.fit.believed import scene_of
 from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.playing import Outcomes
 
@@ -44,6 +45,11 @@ class Rehearsal:
         """Fit the models to the campaign."""
         old = some(scene_of(campaign))
         return cls(models, old, [suited([old], as_fit(model)) for model in models])
+
+    def played(self, nominal: Nominal, plan: Touches, *, seed: int, jobs: int) -> list[Outcomes]:
+        """Play a plan to its end on a rig with each model."""
+        rigs = [Rig(nominal, model) for model in self.models]
+        return [rig.play(plan, seed=seed, replicates=REHEARSALS, jobs=jobs) for rig in rigs]
 
     def groups(
         self,
