@@ -24,8 +24,6 @@ Refinement = Mapping[int, float | Callable[[Parameters], float]]
 LEEWAY = 0.05
 """Of the scatter of a delay, by which a fit may miss its least."""
 
-MOVES_SURFACE = "moves_surface"
-"""The parameter by which an error of the position is one of the surface."""
 NO_SIZES = ("deg", "1")
 """Units of angles, shares and switches."""
 TOLD_BY: Mapping[str, Callable[[Scene], bool]] = {
@@ -33,8 +31,9 @@ TOLD_BY: Mapping[str, Callable[[Scene], bool]] = {
     "second_um": shows_orders(2.0),
     "third_um": shows_orders(3.0),
     "elevation_power": shows_elevations,
+    "moves_surface": surfaces_show,
 }
-"""Whether touches vary so that a parameter is told from another one."""
+"""Whether touches show enough for a parameter to be told from another one."""
 
 
 @cache
@@ -99,7 +98,6 @@ class Candidate:
         is_anywhere = is_free and self.span == ALWAYS
         taken = first_of_its_own(scene.touches) & set(self.names)
         taken |= {n for n in TOLD_BY.keys() & set(self.names) if not TOLD_BY[n](scene)}
-        taken |= set() if surfaces_show(scene) else {MOVES_SURFACE} & set(self.names)
         if is_anywhere:
             taken |= self.like_datum(scene)
         return frozenset(map(self.names.index, taken))
