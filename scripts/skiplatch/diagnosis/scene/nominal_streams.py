@@ -17,13 +17,13 @@ def nominal_streams(chain: NominalChain) -> Iterator[Stream]:
     """Give the streams in which something was recorded, under the law of the nominal chain."""
     streams = (
         _motion(chain),
-        _latch(chain, "skip", ~chain.plc),
-        _latch(chain, "plc", chain.plc),
+        _latch(chain, "skip"),
+        _latch(chain, "plc"),
         _lattice(chain),
         _position(chain),
         _arrival(chain),
-        _deviation(chain, "skip", ~chain.plc),
-        _deviation(chain, "plc", chain.plc),
+        _deviation(chain, "skip"),
+        _deviation(chain, "plc"),
         _report(chain),
     )
     return (stream for stream in streams if stream.rows.any())
@@ -39,14 +39,19 @@ def _motion(chain: NominalChain) -> Stream:
     return _stream(chain, "motion", "µs", ("motion",), residuals, law, here)
 
 
-def _latch(chain: NominalChain, path: str, rows: BoolArray) -> Stream:
+def _latch(chain: NominalChain, path: str) -> Stream:
     """Latch stamp after begin, less what the nominal chain needs at least."""
     expected = chain.pretravel_um / chain.speed + chain.wait_us
     residuals = chain.touches.latch_us - chain.begin_us - expected
     tick = chain.nominal.skip.tick_us
     law = (-tick, chain.mechanics_us, chain.scatter_us, tick)
-    stages = ("motion", "probe", "link", "input", "latch" if path == "skip" else "scan")
-    return _stream(chain, f"latch_{path}", "µs", stages, residuals, law, rows & chain.has_stamps)
+    rows = (chain.plc == (path == "plc")) & chain.has_stamps
+    return _stream(chain, f"latch_{path}", "µs", _until_latch(path), residuals, law, rows)
+
+
+def _until_latch(path: str) -> tuple[str, ...]:
+    """Name the stages of a path up to its latch."""
+    return ("motion", "probe", "link", "input", "latch" if path == "skip" else "scan")
 
 
 def _lattice(chain: NominalChain) -> Stream:
@@ -85,7 +90,7 @@ def _beyond_stamp(
     return _stream(chain, name, "µm", (stage,), residuals, law, rows)
 
 
-def _deviation(chain: NominalChain, path: str, rows: BoolArray) -> Stream:
+def _deviation(chain: NominalChain, path: str) -> Stream:
     """Where nothing but the position was recorded: the whole chain in one number."""
     expected = chain.pretravel_um + chain.speed * chain.wait_us
     residuals = chain.touches.deviation_um - expected
@@ -96,17 +101,9 @@ def _deviation(chain: NominalChain, path: str, rows: BoolArray) -> Stream:
         chain.speed * chain.scatter_us,
         resolution,
     )
-    stages = (
-        "motion",
-        "probe",
-        "link",
-        "input",
-        "latch" if path == "skip" else "scan",
-        "position",
-    )
-    return _stream(
-        chain, f"deviation_{path}", "µm", stages, residuals, law, rows & ~chain.has_stamps
-    )
+    stages = (*_until_latch(path), "position")
+    rows = (chain.plc == (path == "plc")) & ~chain.has_stamps
+    return _stream(chain, f"deviation_{path}", "µm", stages, residuals, law, rows)
 
 
 def _report(chain: NominalChain) -> Stream:
