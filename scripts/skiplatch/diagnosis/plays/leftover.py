@@ -258,24 +258,19 @@ def _missing(setting: Setting, path: str, here: BoolArray, outcomes: Outcomes) -
     n, expected = len(missed), float(played.mean())
     share = float(missed.mean()) - expected
     if missed.any() or expected > USUALLY_MISSED:
-        yield Left(
-            MISSED,
-            path,
-            "share",
-            (EVERYWHERE,),
-            abs(share),
-            "1",
-            abs(share),
-            0.0,
-            0.0,
-            _errors_of_count(int(missed.sum()), n, max(expected, USUALLY_MISSED)),
-        )
+        z = _errors_of_count(int(missed.sum()), n, max(expected, USUALLY_MISSED))
+        yield _share(path, (EVERYWHERE,), share, share, z)
     told = told_which(varying(setting.known, here), missed, setting.seed)
     if told is not None:
         predicted, names, z = told
         high = predicted > np.median(predicted)
         apart = float(missed[high].mean() - missed[~high].mean()) if high.any() else 0.0
-        yield Left(MISSED, path, "share", names, abs(apart) / 2.0, "1", abs(apart), 0.0, 0.0, z)
+        yield _share(path, names, apart / 2.0, apart, z)
+
+
+def _share(path: str, names: tuple[str, ...], size: float, relative: float, z: float) -> Left:
+    """Describe a share of missed touches, which neither scatters nor is rounded."""
+    return Left(MISSED, path, "share", names, abs(size), "1", abs(relative), 0.0, 0.0, z)
 
 
 def _errors_of_count(count: int, n: int, rate: float) -> float:
