@@ -1,9 +1,9 @@
 """What tells values of touches: a forest of all that is known of them, or one thing by rank."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations, compress
-from operator import itemgetter
+from operator import attrgetter
 
 import numpy as np
 from scipy import stats
@@ -91,7 +91,7 @@ def best_ranked(columns: Mapping[str, FloatArray], target: FloatArray) -> Ranked
     alike: dict[bytes, list[str]] = {}
     for name, values in columns.items():
         alike.setdefault(np.isnan(values).tobytes(), []).append(name)
-    found: list[tuple[float, str, BoolArray, FloatArray]] = []
+    found: list[Ranked] = []
     for names in alike.values():
         known = ~np.isnan(columns[names[0]])
         if known.sum() < FEWEST or np.ptp(target[known]) == 0.0:
@@ -106,13 +106,8 @@ def best_ranked(columns: Mapping[str, FloatArray], target: FloatArray) -> Ranked
         tried = compress(2 * list(compress(names, varying)), shown)
         chances = stats.pearsonr(shapes[shown], target[known][None, :], axis=1).pvalue
         for chance, name, shape in zip(chances.tolist(), tried, shapes[shown], strict=True):
-            found.append((chance, name, known, shape))
-    if not found:
-        return None
-    chance, name, known, shape = min(found, key=itemgetter(0))
-    values = np.full(len(target), np.nan)
-    values[known] = shape
-    return Ranked(chance * len(found), (name,), values)
+            found.append(Ranked(chance, (name,), _at(known, shape)))
+    return _most_telling(found)
 
 
 def best_paired(columns: Mapping[str, FloatArray], target: FloatArray) -> Ranked | None:
@@ -143,7 +138,7 @@ def best_levelled(columns: Mapping[str, FloatArray], target: FloatArray) -> Rank
     By an analysis of variance, which knows no order of the values: what comes about at one feed or
     place alone is neither straight nor bent. None where no column has so few values.
     """
-    found: list[tuple[float, str, FloatArray]] = []
+    found: list[Ranked] = []
     for name, values in columns.items():
         known = ~np.isnan(values)
         _, level, count = np.unique(values[known], return_inverse=True, return_counts=True)
@@ -154,13 +149,21 @@ def best_levelled(columns: Mapping[str, FloatArray], target: FloatArray) -> Rank
         between = float(count @ (means - there.mean()) ** 2) / (levels - 1)
         within = float(np.sum((there - means[level]) ** 2)) / (len(there) - levels)
         chance = float(stats.f.sf(between / max(within, SMALLEST), levels - 1, len(there) - levels))
-        shape = np.full(len(target), np.nan)
-        shape[known] = means[level]
-        found.append((chance, name, shape))
-    if not found:
-        return None
-    chance, name, shape = min(found, key=itemgetter(0))
-    return Ranked(chance * len(found), (name,), shape)
+        found.append(Ranked(chance, (name,), _at(known, means[level])))
+    return _most_telling(found)
+
+
+def _at(known: BoolArray, values: FloatArray) -> FloatArray:
+    """Give values to the touches of a mask, shape (m,), and NaN to the others."""
+    full = np.full(len(known), np.nan)
+    full[known] = values
+    return full
+
+
+def _most_telling(found: Sequence[Ranked]) -> Ranked | None:
+    """Give the best of some columns, each with its own chance, with all of them counted."""
+    best = min(found, key=attrgetter("chance"), default=None)
+    return None if best is None else replace(best, chance=best.chance * len(found))
 
 
 def _bent(ranks: FloatArray) -> FloatArray:
