@@ -210,8 +210,12 @@ def _rested(nominal: Nominal) -> Nominal:
 
 def stood_in(nominal: Nominal, touches: Touches) -> Touches:
     """Put stand-ins for what was not recorded; what depends on them is emptied."""
-    no_feed, no_time = np.isnan(touches.feed_mm_min), np.isnan(touches.time_s)
-    contact_unknown = no_feed | no_time | np.isnan(touches.approach_mm)
+    no_feed, no_way = np.isnan(touches.feed_mm_min), np.isnan(touches.approach_mm)
+    # A start tells nothing of an edge if nobody knows the move between them.
+    no_move = (no_feed | no_way) & ~np.isnan(touches.edge_us)
+    touches = replace(touches, time_s=_empty(touches.time_s, no_move))
+    no_time = np.isnan(touches.time_s)
+    contact_unknown = no_feed | no_time | no_way
     stamps_hang = contact_unknown & np.isnan(touches.edge_us)
     feed_mm_min = np.where(no_feed, FEED_MM_MIN, touches.feed_mm_min)
     ramp_mm = _ramps_mm(nominal, feed_mm_min)
@@ -229,7 +233,11 @@ def stood_in(nominal: Nominal, touches: Touches) -> Touches:
     travel_s = expected_contact(nominal, at_once).time_us / US_PER_S
     if no_time.all():
         touches = _with_time_to_move(touches, travel_s)
-    return replace(touches, time_s=_or_else(touches.time_s, _times(touches, travel_s)))
+    # By a start the surface is met at the edge, or else one comes after the other.
+    met_s = np.maximum(touches.edge_us / US_PER_S - travel_s, 0.0)
+    time_s = _or_else(touches.time_s, met_s)
+    pace_s = np.cumsum(travel_s + BETWEEN_TOUCHES_S) - travel_s
+    return replace(touches, time_s=_or_else(time_s, _paced(time_s, pace_s)))
 
 
 def _with_time_to_move(touches: Touches, travel_s: FloatArray) -> Touches:
@@ -241,14 +249,6 @@ def _with_time_to_move(touches: Touches, travel_s: FloatArray) -> Touches:
     later_us = np.ceil(early_s) * US_PER_S
     stamps = {name: getattr(touches, name) + later_us for name in STAMPS}
     return replace(touches, **stamps)
-
-
-def _times(touches: Touches, travel_s: FloatArray) -> FloatArray:
-    """Give starts by which the surface is met at the edge, or one after the other."""
-    if np.isnan(touches.edge_us).any():
-        return _paced(touches.time_s, np.cumsum(travel_s + BETWEEN_TOUCHES_S) - travel_s)
-    starts = touches.edge_us / US_PER_S - travel_s
-    return np.asarray(np.maximum(starts, 0.0))
 
 
 def _paced(time_s: FloatArray, pace_s: FloatArray) -> FloatArray:

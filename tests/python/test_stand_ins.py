@@ -127,6 +127,23 @@ def test_capture_that_begins_with_an_edge_has_time_for_its_move(bench_sample: Pa
     np.testing.assert_allclose(late_us, was_us, atol=1e-3)
 
 
+@pytest.mark.parametrize("unknown", ["feed_mm_min", "approach_mm"])
+def test_start_of_a_move_that_nobody_knows_tells_nothing_of_its_edge(
+    bench_sample: Path, unknown: str
+) -> None:
+    """Rigs log when they began to arm, or to wait: the edge came when it came."""
+    campaign = read_campaign(bench_sample)
+    waited_s = np.random.default_rng(1).uniform(0.0, 5.0, len(campaign.touches))
+    armed = replace(campaign.touches, time_s=campaign.touches.edge_us / 1e6 - waited_s)
+
+    made, _ = said_of(without(replace(campaign, touches=armed), unknown))
+
+    np.testing.assert_allclose(
+        expected_contact(made.nominal, made.touches).time_us, made.touches.edge_us, atol=1e-3
+    )
+    assert "motion" not in Scene.of(made).streams
+
+
 def test_bench_without_motion_shows_the_same_gap(bench_sample: Path) -> None:
     campaign = read_campaign(bench_sample)
     made, _ = said_of(without(campaign, "time_s", "feed_mm_min", "approach_mm"))
