@@ -82,6 +82,19 @@ def test_a_lock_shows_though_surfaces_lie_apart() -> None:
     assert gap["deviation_um"].shrink.low > 0.8
 
 
+def test_a_feed_that_is_off_shows_by_when_edges_come() -> None:
+    """Positions tell little of it: they count from the edge on."""
+    slow = Effect("feed_error", {"feed_percent": -10.0})
+    gap = shrunk(played(BENCH, slow), slow)
+
+    assert gap["edge_after_contact_us"].before > 100.0 * gap["edge_after_contact_us"].noise_floor
+    assert gap["edge_after_contact_us"].shrink.low > 0.99
+
+
+def test_machines_that_record_no_edge_have_no_gap_of_it() -> None:
+    assert "edge_after_contact_us" not in shrunk(played(MACHINE, DELAY), DELAY)
+
+
 def test_late_scans_show_beside_the_grid_that_they_should_keep() -> None:
     late = Effect("scan_jitter", {"jitter_us": 300.0})
     gap = shrunk(played(BENCH, late), late)["latch_off_scan_grid_us"]

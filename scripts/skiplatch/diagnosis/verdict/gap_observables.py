@@ -17,16 +17,23 @@ NS = 3  # decimals of a µs
 
 
 def observables(scene: Scene, after: Rig | Folds) -> Iterator[Observable]:
-    """Give those of every comparison, and two that stamps tell far more sharply.
+    """Give those of every comparison, that of the way to the contact, and two of stamps.
 
-    A scan that is late moves the stamp of its touch by little of the wait for a scan: it is only
-    beside the other stamps that it shows. Nor does a position that is off show in that wait: it
-    does beside the way until its own stamp.
+    An edge that was recorded tells when the contact was, whatever came after it. A scan that is
+    late moves the stamp of its touch by little of the wait for a scan: it is only beside the other
+    stamps that it shows. Nor does a position that is off show in that wait: it does beside the way
+    until its own stamp.
     """
     if scene.has_arrivals.any():
         yield from _of_arrivals(scene)
         return
     yield from OBSERVABLES
+
+    def met(recorded: Recorded, _: Contact) -> FloatArray:
+        return observed(scene, recorded)["edge"]
+
+    if "motion" in scene.streams:
+        yield Observable("edge_after_contact_us", "edge − expected contact", "µs", met)
 
     def beyond(recorded: Recorded, _: Contact) -> FloatArray:
         return np.where(scene.has_stamps, observed(scene, recorded)["position"], np.nan)

@@ -18,6 +18,7 @@ from skiplatch.diagnosis.verdict.rules import gains_too_little, growing, told_of
 SHOWN_IN: Mapping[str, frozenset[str]] = {
     "deviation_um": frozenset((*STREAMS["position"], *STREAMS["latch"])),
     "deviation_beyond_stamp_um": frozenset(STREAMS["position"]),
+    "edge_after_contact_us": frozenset(STREAMS["edge"]),
     "latch_after_edge_us": frozenset(STREAMS["latch"]),
     "latch_after_contact_us": frozenset(STREAMS["latch"]),
     "latch_off_scan_grid_us": frozenset(STREAMS["grid"]),
