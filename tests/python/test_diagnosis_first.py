@@ -142,6 +142,16 @@ def test_an_effect_and_a_belief_on_a_ridge_are_found_together(lagging: Scene) ->
     assert nominal.probe.pretravel_um == pytest.approx(right_um, abs=0.3)
 
 
+@pytest.mark.parametrize("one", ["input_filter", "trigger_delay"])
+def test_what_does_just_the_same_is_fitted_once_and_given_by_each_name(
+    lagging: Scene, one: str
+) -> None:
+    found = Judge(lagging, split(len(lagging), 1)).singles({one})
+
+    assert {single.ids for single in found} == {("input_filter",), ("trigger_delay",)}
+    assert found[0].fitted == found[1].fitted
+
+
 def test_beliefs_that_all_observables_tell_alike_are_told_once() -> None:
     scene = scene_of(stamped_machine())
 

@@ -8,9 +8,9 @@ import pytest
 from played_campaigns import MACHINE, played_again
 from skiplatch.campaign import Campaign, InputPath, read_campaign
 from skiplatch.diagnosis import diagnose
-from skiplatch.diagnosis.fit.beliefs import believing
+from skiplatch.diagnosis.fit.beliefs import REPEATABILITY, believing
 from skiplatch.diagnosis.fit.believed import scene_of
-from skiplatch.diagnosis.fit.unstated import REPEATABILITY, RESOLUTION, with_unstated
+from skiplatch.diagnosis.fit.unstated import RESOLUTION, with_unstated
 from skiplatch.diagnosis.verdict.verdict import Verdict
 from skiplatch.simulator.effects import Effect
 

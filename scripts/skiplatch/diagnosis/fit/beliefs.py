@@ -18,10 +18,11 @@ NOISE_U = 0.35
 """Relative standard uncertainty of a noise without one: as from five touches (GUM, table E.1)."""
 SCAN_PERIOD: Key = ("plc", "scan_us")
 LOBES: Key = ("probe", "lobe_um")
+REPEATABILITY: Key = ("probe", "repeatability_um")
 LOBES_U = 0.05
 """Relative standard uncertainty of the lobes where none is given: no calibration is better."""
 NOISE: Mapping[Kind, tuple[Key, ...]] = {
-    Kind.MACHINE: (("probe", "repeatability_um"), ("skip", "jitter_us"), ("report", "jitter_us")),
+    Kind.MACHINE: (REPEATABILITY, ("skip", "jitter_us"), ("report", "jitter_us")),
     Kind.BENCH: (("bench", "reference_jitter_us"), ("skip", "jitter_us"), ("report", "jitter_us")),
 }
 BOXES: Mapping[Key, Key] = {

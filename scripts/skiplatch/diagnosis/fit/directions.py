@@ -10,12 +10,10 @@ import numpy as np
 
 from skiplatch.campaign import Axis, Campaign, Kind, Nominal, Touches
 from skiplatch.campaign.datum import DatumFreedom
-from skiplatch.diagnosis.fit.beliefs import NOISE_U
+from skiplatch.diagnosis.fit.beliefs import LOBES, NOISE_U, REPEATABILITY
 
 MOST_UNKNOWN = 0.5
 """Share of touches without an azimuth from which on lobes are not played."""
-REPEATABILITY = ("probe", "repeatability_um")
-LOBES = ("probe", "lobe_um")
 UNDIRECTED = (
     "The directions were not recorded: the probe's lobes count as scatter, and as a datum of each "
     "sense."

@@ -8,12 +8,11 @@ from math import sqrt
 
 from skiplatch.campaign import Campaign, InputPath, Kind
 from skiplatch.campaign.steps import common_step
-from skiplatch.diagnosis.fit.beliefs import believing
+from skiplatch.diagnosis.fit.beliefs import REPEATABILITY, believing
 from skiplatch.errors import InputError
 from skiplatch.repeatability import repeatability
 from skiplatch.units import ARCSEC_PER_MILLIDEGREE
 
-REPEATABILITY = ("probe", "repeatability_um")
 RESOLUTION = ("axis", "resolution_um")
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from skiplatch.campaign import Axis, Campaign, InputPath
 from skiplatch.campaign.telling import hides_backlash
-from skiplatch.diagnosis.fit.unstated import REPEATABILITY
+from skiplatch.diagnosis.fit.beliefs import REPEATABILITY
 from skiplatch.diagnosis.plays.left import Left
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.verdict import Failure, Verdict

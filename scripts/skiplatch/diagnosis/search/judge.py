@@ -93,8 +93,9 @@ class Judge(Believer):
         self._look_at(self._believed)
 
     def singles(self, ids: Collection[str] | None = None) -> list[Scored]:
-        """Every candidate, or those of some effects, alone; by falling score."""
-        tried = [c for c in self._candidates() if ids is None or c.id in ids]
+        """Every candidate, or some effects and what does the same, alone; by falling score."""
+        wanted = {c.change for c in self._applicable if ids is None or c.id in ids}
+        tried = [c for c in self._candidates() if c.change in wanted]
         return self._with_twins(map(self.score, self._contest(tried, NOTHING)))
 
     def roughly(self, part: Scene | None = None) -> list[Fit]:
