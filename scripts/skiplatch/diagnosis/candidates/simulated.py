@@ -20,7 +20,7 @@ from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import EffectDescription, Parameter, effects
-from skiplatch.span import Span
+from skiplatch.span import ALWAYS, Span
 
 STARTS = 24
 """Points over the ranges of the parameters, for each of up to two of these."""
@@ -48,7 +48,8 @@ def catalogue() -> Mapping[str, Candidate]:
 
 
 def _simulated_at(effect_id: str, span: Span) -> Candidate:
-    return replace(simulated(effect_id), span=span)
+    always = simulated(effect_id)
+    return always if span == ALWAYS else replace(always, span=span)
 
 
 @cache
