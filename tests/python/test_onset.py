@@ -18,7 +18,6 @@ from skiplatch.diagnosis.fit.as_effects import as_effects
 from skiplatch.diagnosis.fit.fit import WORTH_OF_AN_END, Fit, fit
 from skiplatch.diagnosis.fit.onset import (
     FEWEST,
-    ended,
     gained_by_an_end,
     outlives_datum,
     parts_of,
@@ -213,73 +212,6 @@ def test_an_effect_as_it_is_tells_whether_it_ends(acting: Effect) -> None:
         return gained_by_an_end(scene, [fit(scene, [candidate], starts)])
 
     assert gained(acting) < worth(WORTH_OF_AN_END) < gained(ends)
-
-
-COARSE = Effect("encoder_quantisation", {"resolution_um": 6.0, "is_coordinate": 1.0, "origin": 1.0})
-SLOW = Effect("feed_error", {"feed_percent": 10.0})
-
-
-def lasting(*, coarse_um: float) -> Fit:
-    """A coarse encoder beside a feed that is off, as they are fitted to all touches."""
-    slow, coarse = of(SLOW.id, [10.0, 0.0, 0.0]), of(COARSE.id, [coarse_um, 1.0, 1.0])
-    both = slow.candidates + coarse.candidates, slow.parameters + coarse.parameters
-    return Fit(*both, frozenset({"motion", "position"}))
-
-
-@pytest.mark.parametrize("begins", [True, False])
-def test_one_effect_of_several_may_begin_or_end(begins: bool) -> None:
-    touch = middle_touch(read_campaign(BENCH))
-    span = Span(since=touch) if begins else Span(until=touch)
-    scene = Scene.of(played(BENCH, SLOW, replace(COARSE, span=span)))
-
-    found = ended(scene, lasting(coarse_um=6.0), 1)
-
-    assert found is not None
-    assert [candidate.span == ALWAYS for candidate in found.candidates] == [True, False]
-    here = found.candidates[1].span
-    assert (here.since if begins else here.until) == pytest.approx(touch, abs=4)
-    assert found.parameters[0][0] == pytest.approx(10.0, abs=0.01)
-    assert found.parameters[1][0] == pytest.approx(6.0)
-    assert ended(scene, lasting(coarse_um=6.0), 0) is None
-
-
-def test_of_several_effects_that_last_none_begins_or_ends() -> None:
-    scene = Scene.of(played(BENCH, SLOW, COARSE))
-
-    assert [ended(scene, lasting(coarse_um=6.0), i) for i in (0, 1)] == [None, None]
-
-
-def test_a_surface_that_was_moved_lets_no_effect_of_several_begin() -> None:
-    """A tenth of a millimetre that a scale is asked for from then on."""
-    machine = thinned(read_campaign(MACHINE))
-    late = Effect("trigger_delay", {"delay_us": 900.0})
-    recorded = played_again(machine, late)
-    since = middle_touch(recorded)
-    later = recorded.touches.touch >= since
-    moved_um = recorded.touches.deviation_um + np.where(later, 20.0, 0.0)
-    scene = Scene.of(replace(recorded, touches=replace(recorded.touches, deviation_um=moved_um)))
-    delay, scale = of(late.id, [900.0, 0.0, 0.0]), of("scale_error", [80.0, 0.0, 0.0, 0.0])
-    both = delay.candidates + scale.candidates, delay.parameters + scale.parameters
-
-    found = ended(scene, Fit(*both, frozenset(scene.streams)), 1)
-
-    assert found is None
-
-
-@pytest.mark.long
-def test_an_effect_that_ends_beside_another_is_named_with_the_touch() -> None:
-    campaign = thinned(read_campaign(BENCH), 3)
-    until = middle_touch(campaign)
-    recorded = played_again(campaign, SLOW, replace(COARSE, span=Span(until=until)))
-
-    diagnosis = diagnose(recorded, seed=1)
-
-    named = {one.effect.id: one.effect.span for one in diagnosis.effects}
-    assert named.keys() == {SLOW.id, COARSE.id}
-    assert named[SLOW.id] == ALWAYS
-    assert named[COARSE.id].since is None
-    within = 0.05 * float(np.ptp(campaign.touches.touch))
-    assert named[COARSE.id].until == pytest.approx(until, abs=within)
 
 
 def test_no_effect_begins_among_too_few_touches() -> None:

@@ -8,16 +8,8 @@ import numpy as np
 
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.density.change import NOTHING
-from skiplatch.diagnosis.fit.fit import (
-    FINEST,
-    SLACKS,
-    WORTH_A_REFINEMENT,
-    WORTH_OF_AN_END,
-    Fit,
-    fit,
-    starts_of,
-)
-from skiplatch.diagnosis.fit.forms import polish, refine
+from skiplatch.diagnosis.fit.fit import FINEST, SLACKS, Fit, fit, starts_of
+from skiplatch.diagnosis.fit.forms import polish
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.span import ALWAYS, Span
@@ -80,53 +72,6 @@ def _stretches(scene: Scene, found: Fit) -> list[Span]:
         return []
     numbers = scene.touches.touch[order]
     return [Span(since=int(numbers[begin]), until=int(numbers[end - 1]))]
-
-
-def ended(scene: Scene, found: Fit, position: int) -> Fit | None:
-    """Let one of several effects begin or end where that gains most; None if it gains too little.
-
-    By what each touch gains by it beside the others. Parameters and the touch are fitted in turn.
-    """
-    for _ in range(TIMES):
-        span = _better_end(scene, found, position)
-        if span is None:
-            return None
-        candidates = list(found.candidates)
-        candidates[position] = replace(candidates[position], span=span)
-        found = refine(scene, replace(found, candidates=tuple(candidates)))
-    return found if _outlives_datum_beside(scene, found, position) else None
-
-
-def _better_end(scene: Scene, found: Fit, position: int) -> Span | None:
-    """Give the touch from which on, or up to which, an effect gains more than throughout."""
-    candidates = list(found.candidates)
-    candidates[position] = replace(candidates[position], span=ALWAYS)
-    throughout = replace(found, candidates=tuple(candidates))
-    order = np.argsort(scene.touches.touch, kind="stable")
-    with_it, without = (
-        likelihood(scene, one.change(scene)).per_touch
-        for one in (throughout, throughout.without(position))
-    )
-    before = np.cumsum((with_it - without)[order])[FEWEST - 1 : -FEWEST]
-    if not len(before):
-        return None
-    whole = float((with_it - without).sum())
-    begin, end = int(np.argmin(before)), int(np.argmax(before))
-    since_gains, until_gains = -float(before[begin]), float(before[end]) - whole
-    if max(since_gains, until_gains) < WORTH_A_REFINEMENT * WORTH_OF_AN_END:
-        return None
-    numbers = scene.touches.touch[order]
-    if since_gains > until_gains:
-        return Span(since=int(numbers[begin + FEWEST]))
-    return Span(until=int(numbers[end + FEWEST - 1]))
-
-
-def _outlives_datum_beside(scene: Scene, found: Fit, position: int) -> bool:
-    """Tell whether an effect gains more than a surface that was moved as it began, or ended."""
-    moved = _moved(scene, found.candidates[position].span)
-    others = found.without(position)
-    gained = _nats(moved, found) - _nats(moved, others)
-    return gained > WORTH_A_REFINEMENT * (found.size - others.size)
 
 
 def gained_by_an_end(scene: Scene, fits: Sequence[Fit]) -> float:

@@ -89,8 +89,6 @@ def _searched(judge: Judge, noticed: Noticed) -> Finding:
         if not pairs or (others and others[0].score > pairs[0].score):
             pairs, others = others, pairs
         if not pairs:
-            pairs = _passing(judge, best, noticed)
-        if not pairs:
             ranked = [best, *(s for s in ranked if s.ids != best.ids)]
             return _single(judge, best, ranked)
     judge.believe_beside(pairs[0].fit)
@@ -106,7 +104,6 @@ def grown(judge: Judge, model: Scored, tried: Sequence[Scored], noticed: Noticed
             model = better
             continue
         further = _from_further_on(judge, _extended(judge, model, noticed(model)), model, noticed)
-        further = further or _passing(judge, model, noticed)
         if not further:
             break
         judge.believe_beside(further[0].fit)
@@ -237,13 +234,6 @@ def _from_further_on(
         if _is_further(judge, one, smaller, noticed):
             return list(larger[i:])
     return []
-
-
-def _passing(judge: Judge, smaller: Scored, noticed: Noticed) -> list[Scored]:
-    """Give models whose last effect begins or ends, if what the others leave asks for one."""
-    if not noticed(smaller):
-        return []
-    return _from_further_on(judge, judge.passing_on_top(smaller), smaller, noticed)
 
 
 def _is_further(judge: Judge, larger: Scored, smaller: Scored, noticed: Noticed) -> bool:

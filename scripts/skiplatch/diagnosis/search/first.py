@@ -82,7 +82,7 @@ def _worth_another_fit(judge: Judge, best: Scored) -> list[tuple[str, Nominal]]:
     worth = [(best.ids[0], judge.stated)] if is_moved else []
     if judge.stated.uncertainty:
         judge.believe(judge.stated)
-        own = judge.together(judge.plain())
+        own = judge.together(judge.roughly())
         scores = [judge.score_beside(*one).score for one in own]
         likely = [own[i] for i in falling(scores)[:MOST_AGAIN]]
         worth += [(fit.candidates[0].id, nominal) for fit, nominal in likely]

@@ -1,19 +1,26 @@
 """Models of a campaign, fitted and scored: candidates alone, and on top of others."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
+from concurrent.futures import Executor
+from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
 from skiplatch.campaign import Nominal
+from skiplatch.diagnosis.candidates.applicable import acts
 from skiplatch.diagnosis.candidates.candidate import Candidate
-from skiplatch.diagnosis.density.change import NOTHING
+from skiplatch.diagnosis.candidates.simulated import catalogue
+from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.fit.fit import WORTH_A_REFINEMENT, Fit
 from skiplatch.diagnosis.fit.forms import anew
+from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.diagnosis.fit.onset import gained_by_an_end, outlives_datum, parts_of, proposed
 from skiplatch.diagnosis.likelihood.likelihood import affected
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.along_grid import fits_along_grid
-from skiplatch.diagnosis.search.contest import Contest
+from skiplatch.diagnosis.search.believer import Believer
+from skiplatch.diagnosis.search.parts import Split
 from skiplatch.diagnosis.search.scored import (
     ENOUGH_FIT,
     PLAIN,
@@ -25,16 +32,20 @@ from skiplatch.diagnosis.search.scored import (
 )
 from skiplatch.diagnosis.search.tasks import (
     both,
-    fit_ended,
     fit_in_forms,
     fit_jointly,
     fit_passing,
+    fit_plainly,
+    fit_roughly,
     fit_turned,
 )
-from skiplatch.side_by_side import side_by_side
 
 ANY = frozenset[str]()
 """Streams, where it is not known which: each of them."""
+CONTENDS = 0.4
+"""Share of the best gain from which on other forms of an effect are tried."""
+MOST_POLISHED = 6
+"""Candidates of a contest that are fitted in other forms."""
 ALSO_PASSING = 6
 """Candidates, of those that fit a part of the campaign best, that are tried as passing ones."""
 REFINED_PAIRS = 4
@@ -44,13 +55,53 @@ NEARLY_AS_MUCH = 0.5
 """Share of the best second effect's gain from which on it is as well."""
 
 
-class Judge(Contest):
+class Judge(Believer):
     """Fits and scores models on one campaign."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        parts: Split,
+        executor: Executor | None = None,
+        materiality: Materiality = DEFAULT,
+    ) -> None:
+        """Prepare to fit models.
+
+        Args:
+            scene: The touches.
+            parts: Which of them serve what.
+            executor: Fits side by side.
+            materiality: From which size on a change matters.
+        """
+        self._left_out: set[str] = set()
+        super().__init__(scene, parts, executor, materiality)
 
     def _look_at(self, scene: Scene) -> None:
         super()._look_at(scene)
         self._reaches: dict[str, frozenset[str]] = {}
         self._on_top: dict[tuple[object, ...], list[Scored]] = {}
+        self.__dict__.pop("_applicable", None)
+
+    def leave_out(self, ids: Collection[str]) -> None:
+        """Try some effects no more."""
+        self._left_out.update(ids)
+        self._look_at(self._believed)
+
+    def take_back(self, ids: Collection[str]) -> None:
+        """Try them again."""
+        self._left_out.difference_update(ids)
+        self._look_at(self._believed)
+
+    def singles(self, ids: Collection[str] | None = None) -> list[Scored]:
+        """Every candidate, or some effects and what does the same, alone; by falling score."""
+        wanted = {c.change for c in self._applicable if ids is None or c.id in ids}
+        tried = [c for c in self._candidates() if c.change in wanted]
+        return self._with_twins(map(self.score, self._contest(tried, NOTHING)))
+
+    def roughly(self, part: Scene | None = None) -> list[Fit]:
+        """Fit every candidate alone, no closer than need be, to some touches or all that serve."""
+        there = self._fitting if part is None else part
+        return self._each(fit_roughly, [(there, c, NOTHING) for c in self._candidates()])
 
     def told_along_grid(self) -> list[Nominal]:
         """Give the chains with beliefs that fit beside effects that shift the grid of the scans."""
@@ -62,11 +113,10 @@ class Judge(Contest):
         fits = [scored.fit for scored in without_twins(singles)[:ALSO_PASSING]]
         return gained_by_an_end(self._fitting, fits) > WORTH_A_REFINEMENT
 
-    def _best_in(self, part: Scene, model: Scored | None = None) -> list[Fit]:
-        """Fit every candidate to some touches, roughly: those that gain most there."""
-        given = model.fit.change(part) if model else NOTHING
-        there = self.roughly(part, model)
-        gains = [gain_of(part, one, given) for one in there]
+    def _best_in(self, part: Scene) -> list[Fit]:
+        """Fit every candidate alone to some touches, roughly: those that gain most there."""
+        there = self.roughly(part)
+        gains = [gain_of(part, one, NOTHING) for one in there]
         return [there[i] for i in falling(gains)[:ALSO_PASSING] if gains[i] > WORTH_A_REFINEMENT]
 
     def passing(self, singles: Sequence[Scored]) -> list[Scored]:
@@ -91,6 +141,22 @@ class Judge(Contest):
         """Tell whether an effect that begins is more than a surface that was moved then."""
         nats = sum(outlives_datum(part, scored.fit) for part in (self._fitting, self._checking))
         return nats - worth(scored.fit.size) > PLAIN
+
+    def _contest(self, candidates: Sequence[Candidate], given: Change) -> list[Fit]:
+        """Fit all candidates plainly, and those that come near the best of them in other forms."""
+        fits = self._each(fit_plainly, [(self._fitting, c, given) for c in candidates])
+        return self._in_forms(fits, given)
+
+    def _in_forms(
+        self, fits: Sequence[Fit], given: Change = NOTHING, beside: float = 0.0
+    ) -> list[Fit]:
+        """Give fits that come near the best of them, or near what else gains, other forms."""
+        gains = [gain_of(self._fitting, found, given) for found in fits]
+        least = max(WORTH_A_REFINEMENT, CONTENDS * max(beside, *gains, 0.0))
+        near = [i for i in falling(gains)[:MOST_POLISHED] if gains[i] >= least]
+        formed = self._each(fit_in_forms, [(self._fitting, fits[i], given) for i in near])
+        better = dict(zip(near, formed, strict=True))
+        return [better.get(i, found) for i, found in enumerate(fits)]
 
     def pairs(self, first: Scored, streams: frozenset[str] = ANY) -> list[Scored]:
         """A model with every other effect: one by one on top of it, the best then jointly.
@@ -131,23 +197,6 @@ class Judge(Contest):
         there = self._fitting
         return self._each(fit_in_forms, [(there, one, rest.change(there)) for one, rest in parts])
 
-    def ended(self, models: Sequence[tuple[Fit, int]]) -> list[Scored]:
-        """Let one effect of each model begin or end, by its number, where that is worth it."""
-        found = side_by_side(self._executor, fit_ended, [(self._fitting, *one) for one in models])
-        return [self.score(one) for one in found if one is not None]
-
-    def passing_on_top(self, model: Scored) -> list[Scored]:
-        """A model with every other effect that begins or ends, by falling score.
-
-        Proposed by how they fit each third of the campaign on top of it.
-        """
-        proposed: dict[str, Fit] = {}
-        for part in parts_of(self._fitting):
-            for one in self._best_in(part, model):
-                proposed.setdefault(one.candidates[0].id, one)
-        pairs = [(both(model.fit, one), len(model.ids)) for one in proposed.values()]
-        return self._with_twins(self.ended(pairs))
-
     def on_top(self, first: Scored, streams: frozenset[str] = ANY) -> list[Scored]:
         """Every other effect on top of a model that stays as it is, by falling score."""
         key = (*first.fit.key, streams)
@@ -161,8 +210,24 @@ class Judge(Contest):
     def may_gain(self, model: Scored) -> bool:
         """Tell whether any other effect may be a further one: by fits that are only to propose."""
         given = model.fit.change(self._fitting)
-        fits = self.roughly(self._fitting, model)
+        tasks = [(self._fitting, other, given) for other in self._others(model)]
+        fits = self._each(fit_roughly, tasks)
         return any(gain_of(self._fitting, one, given) > ENOUGH_FIT for one in fits)
+
+    def twins(self, model: Scored, position: int) -> list[Scored]:
+        """Give a model with other effects, that do just the same, in place of one of it."""
+        own, found = model.fit.candidates[position], []
+        for other in self._applicable:
+            if other.change == own.change and other.id != own.id:
+                candidates = list(model.fit.candidates)
+                candidates[position] = replace(other, span=own.span)
+                found.append(self.score(replace(model.fit, candidates=tuple(candidates))))
+        return found
+
+    def _with_twins(self, models: Iterable[Scored]) -> list[Scored]:
+        """Add models with twins of the last effect; by falling score."""
+        found = [twin for model in models for twin in (model, *self.twins(model, -1))]
+        return sorted(found, key=lambda scored: -scored.score)
 
     def alone(self, model: Scored, position: int) -> Scored:
         """Give one effect of a model with the parameters it has there."""
@@ -190,6 +255,12 @@ class Judge(Contest):
         left = model.fit.without(position)
         return self.score(anew(self._fitting, left.candidates, [np.concatenate(left.parameters)]))
 
+    @cached_property
+    def _applicable(self) -> list[Candidate]:
+        """Give the effects that the campaign can show."""
+        some = (c for c in catalogue().values() if c.id not in self._left_out)
+        return [c for c in some if acts(c.id, self.scene) and c.applies(self.scene)]
+
     def _acting_in(
         self, candidates: Sequence[Candidate], streams: frozenset[str]
     ) -> list[Candidate]:
@@ -206,3 +277,12 @@ class Judge(Contest):
             reached = (affected(self._fitting, change) for change in changes)
             self._reaches[candidate.id] = frozenset().union(*reached)
         return self._reaches[candidate.id]
+
+    def _others(self, model: Scored) -> list[Candidate]:
+        """Give the effects that a model does not have, nor any that does just the same."""
+        twins = {twin.ids[i] for i in range(len(model.ids)) for twin in self.twins(model, i)}
+        return [c for c in self._candidates() if c.id not in {*model.ids, *twins}]
+
+    def _candidates(self) -> list[Candidate]:
+        """Give the effects that have to be fitted: one of those that do just the same."""
+        return list({c.change: c for c in reversed(self._applicable)}.values())[::-1]

@@ -1,7 +1,7 @@
 """Another form of an effect that is there already, which comes before a further effect.
 
-What an effect alone did not need, as a scatter of its own, or that it begins or ends, it may need
-once another one has taken what hid it; to name something else for that would be wrong.
+What an effect alone did not need, as a scatter of its own, it may need once another one has taken
+what hid it; to name something else for that would be wrong.
 """
 
 from dataclasses import replace
@@ -26,7 +26,6 @@ def reformed(judge: Judge, model: Scored) -> Scored:
     formed = judge.formed([(stiff.alone(i), stiff.without(i)) for i in lasting])
     models = [judge.score(_with(stiff, i, one)) for i, one in zip(lasting, formed, strict=True)]
     likely = [one for one in models if one.fit.key != stiff.key]
-    likely += judge.ended([(stiff, i) for i in lasting])
     best = max(judge.jointly(likely), key=lambda one: one.score, default=model)
     return best if best.score > model.score + BETTER else model
 

@@ -9,7 +9,7 @@ from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.fit.beliefs import Belief
 from skiplatch.diagnosis.fit.fit import NARROWER, Fit, fit, starts_of
 from skiplatch.diagnosis.fit.forms import polish, refine
-from skiplatch.diagnosis.fit.onset import ended, passing, polished
+from skiplatch.diagnosis.fit.onset import passing, polished
 from skiplatch.diagnosis.fit.together import together
 from skiplatch.diagnosis.scene.scene import Scene
 
@@ -30,11 +30,6 @@ def both(first: Fit, second: Fit) -> Fit:
 def fit_passing(model: tuple[Scene, Fit]) -> Fit:
     """Fit when an effect begins or ends, on a scene."""
     return passing(*model)
-
-
-def fit_ended(model: tuple[Scene, Fit, int]) -> Fit | None:
-    """Let one effect of several begin or end, on a scene, if that is worth it."""
-    return ended(*model)
 
 
 def fit_turned(model: tuple[Scene, Candidate, Fit]) -> Fit:
