@@ -32,7 +32,14 @@ class Believer(Scorer):
         executor: Executor | None = None,
         materiality: Materiality = DEFAULT,
     ) -> None:
-        """Begin with the beliefs as they are stated; an executor fits side by side."""
+        """Begin with the beliefs as they are stated.
+
+        Args:
+            scene: The touches.
+            parts: Which of them serve what.
+            executor: Fits side by side.
+            materiality: From which size on a change matters.
+        """
         self._executor = executor
         self._believed = scene
         self.stated = scene.nominal

@@ -1,7 +1,6 @@
 """Models of a campaign, fitted and scored: candidates alone, and on top of others."""
 
 from collections.abc import Collection, Iterable, Sequence
-from concurrent.futures import Executor
 from dataclasses import replace
 from functools import cached_property
 
@@ -14,13 +13,11 @@ from skiplatch.diagnosis.candidates.simulated import catalogue
 from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.fit.fit import WORTH_A_REFINEMENT, Fit
 from skiplatch.diagnosis.fit.forms import anew
-from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.diagnosis.fit.onset import gained_by_an_end, outlives_datum, parts_of, proposed
 from skiplatch.diagnosis.likelihood.likelihood import affected
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.along_grid import fits_along_grid
 from skiplatch.diagnosis.search.believer import Believer
-from skiplatch.diagnosis.search.parts import Split
 from skiplatch.diagnosis.search.scored import (
     ENOUGH_FIT,
     PLAIN,
@@ -58,23 +55,10 @@ NEARLY_AS_MUCH = 0.5
 class Judge(Believer):
     """Fits and scores models on one campaign."""
 
-    def __init__(
-        self,
-        scene: Scene,
-        parts: Split,
-        executor: Executor | None = None,
-        materiality: Materiality = DEFAULT,
-    ) -> None:
-        """Prepare to fit models.
-
-        Args:
-            scene: The touches.
-            parts: Which of them serve what.
-            executor: Fits side by side.
-            materiality: From which size on a change matters.
-        """
-        self._left_out: set[str] = set()
-        super().__init__(scene, parts, executor, materiality)
+    @cached_property
+    def _left_out(self) -> set[str]:
+        """Ids of the effects that are not tried; none to begin with."""
+        return set()
 
     def _look_at(self, scene: Scene) -> None:
         super()._look_at(scene)
