@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Touches
@@ -137,7 +137,7 @@ def by_temperature(
             warm = {"warmth": np.nan_to_num(t - t[rows].mean())}
             fit = fit_surfaces(y, dummies, warm | conditions, rows)
             reach, needed = (
-                line.error * float(stats.t.isf(chance / 2.0 / len(tried), line.freedom))
+                line.error * float(scipy.stats.t.isf(chance / 2.0 / len(tried), line.freedom))
                 for chance in (1.0 - CONFIDENCE, TOLD_BY_CHANCE)
             )
             slope = Interval(line.slope, line.slope - reach, line.slope + reach)

@@ -9,7 +9,7 @@ below a step of the readings is told.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.statistics import CONFIDENCE, Interval
@@ -70,7 +70,7 @@ def is_shown(figure: Interval | None, freedom: int) -> bool:
         return False
     near = figure.low if figure.low > 0.0 else figure.high
     told, usual = (
-        float(stats.t.isf(chance / 2.0, max(freedom, 1)))
+        float(scipy.stats.t.isf(chance / 2.0, max(freedom, 1)))
         for chance in (TOLD_BY_CHANCE, 1.0 - CONFIDENCE)
     )
     return abs(figure.value - near) * told < abs(figure.value) * usual
@@ -148,7 +148,7 @@ def _is_no_chance(found: Settled, touches: int, grid: Grid) -> BoolArray:
     """Tell which touches lie further off a fit without them than any of so many does by chance."""
     if found.fit.sigma.value == 0.0 and touches < FEWEST_SAME:
         return np.asarray(np.abs(found.fit.residuals) > COARSEST * grid.resolution)
-    limit = float(stats.t.isf(OUTLIER_BY_CHANCE / (2.0 * touches), found.fit.freedom))
+    limit = float(scipy.stats.t.isf(OUTLIER_BY_CHANCE / (2.0 * touches), found.fit.freedom))
     return np.asarray(np.abs(found.fit.residuals) > limit * found.fit.errors())
 
 

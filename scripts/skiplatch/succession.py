@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import stats
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.statistics import CONFIDENCE, Interval
@@ -53,11 +53,11 @@ def in_a_row(
     # Differences share touches: so many pairs tell as much as two thirds of them would.
     freedom = 2.0 * count / 3.0
     low, high = (
-        float(np.sqrt(variance * freedom / stats.chi2.ppf(0.5 + half, freedom)))
+        float(np.sqrt(variance * freedom / scipy.stats.chi2.ppf(0.5 + half, freedom)))
         for half in (CONFIDENCE / 2.0, -CONFIDENCE / 2.0)
     )
     errors = (1.0 - variance / sigma**2) * np.sqrt(count)
-    is_less = bool(errors > stats.norm.isf(TOLD_BY_CHANCE))
+    is_less = bool(errors > scipy.stats.norm.isf(TOLD_BY_CHANCE))
     return InARow(Interval(float(np.sqrt(variance)), low, high), is_less)
 
 
@@ -67,7 +67,8 @@ def independent_share(residuals: FloatArray) -> float:
     By Bartlett (1935), for a correlation that falls off geometrically, as far as it is shown.
     """
     n = len(residuals)
-    if n < FEWEST or _seen(residuals) + 1.0 / n <= stats.norm.isf(TOLD_BY_CHANCE) / np.sqrt(n):
+    least = scipy.stats.norm.isf(TOLD_BY_CHANCE) / np.sqrt(n)
+    if n < FEWEST or _seen(residuals) + 1.0 / n <= least:
         return 1.0
     kept = follows(residuals)
     return (1.0 - kept) / (1.0 + kept)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign.steps import common_step
@@ -103,7 +103,7 @@ def grid_of(values: FloatArray, axis: np.typing.NDArray[np.integer], resolution:
 
 def by_t(value: float, error: float, freedom: int) -> Interval:
     """Give a value with its interval by Student's t."""
-    reach = float(stats.t.ppf(0.5 + CONFIDENCE / 2.0, max(freedom, 1))) * error
+    reach = float(scipy.stats.t.ppf(0.5 + CONFIDENCE / 2.0, max(freedom, 1))) * error
     return Interval(value, value - reach, value + reach)
 
 
@@ -147,8 +147,8 @@ def fit_surfaces(
 
 
 def _sigma(variance: float, freedom: int) -> Interval:
-    low = float(stats.chi2.ppf(0.5 + CONFIDENCE / 2.0, freedom))
-    high = float(stats.chi2.ppf(0.5 - CONFIDENCE / 2.0, freedom))
+    low = float(scipy.stats.chi2.ppf(0.5 + CONFIDENCE / 2.0, freedom))
+    high = float(scipy.stats.chi2.ppf(0.5 - CONFIDENCE / 2.0, freedom))
     return Interval(
         float(np.sqrt(variance)),
         float(np.sqrt(variance * freedom / low)),

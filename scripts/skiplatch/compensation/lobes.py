@@ -8,7 +8,7 @@ fitted together.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from skiplatch.arrays import FloatArray
 from skiplatch.compensation.probe_map import ProbeMap
@@ -70,7 +70,9 @@ def _rows(alpha: FloatArray, beta: FloatArray) -> FloatArray:
 def _told(found: FloatArray, spread: FloatArray, freedom: int, sign: float) -> Lobes:
     amplitude = float(np.hypot(*found[-2:]))
     along = found[-2:] / max(amplitude, np.finfo(float).tiny)
-    half = float(np.sqrt(along @ spread @ along) * stats.t.isf((1.0 - CONFIDENCE) / 2.0, freedom))
+    half = float(
+        np.sqrt(along @ spread @ along) * scipy.stats.t.isf((1.0 - CONFIDENCE) / 2.0, freedom)
+    )
     azimuth_deg = float(np.degrees(np.arctan2(found[-1], found[-2]))) / LOBES
     x, y, z = (sign * found[1:4]).tolist()
     return Lobes(

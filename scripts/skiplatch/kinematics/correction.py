@@ -7,8 +7,8 @@ from sys import float_info
 from typing import cast
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from skiplatch.kinematics.firmware import Estimate, Fit, NoFitError, fit, names_of
 from skiplatch.kinematics.machine import LETTERS, Machine, RotaryAxis, Vector
@@ -238,7 +238,9 @@ def _corrected(axis: RotaryAxis, amounts: Mapping[str, float]) -> RotaryAxis:
     shift_um = [amounts.get(f"{name}O{axis.letter}", 0.0) for name in "XYZ"]
     turn_deg = np.array([amounts.get(f"{x}O{axis.letter}", 0.0) for x in LETTERS]) / ARCSEC_PER_DEG
     zero_deg, turn_deg[own] = float(turn_deg[own]), 0.0
-    direction = Rotation.from_rotvec(turn_deg, degrees=True).apply(axis.direction)
+    direction = scipy.spatial.transform.Rotation.from_rotvec(turn_deg, degrees=True).apply(
+        axis.direction
+    )
     return replace(
         axis,
         point_mm=_vector(np.add(axis.point_mm, np.divide(shift_um, UM_PER_MM))),

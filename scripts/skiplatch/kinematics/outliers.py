@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import stats
 
 from skiplatch.kinematics.axis_report import expected_mm
 from skiplatch.kinematics.correction import apply_fit
@@ -117,7 +117,7 @@ def _is_surprising(found: Fit | None, without: Fit, count: int) -> bool:
         return False
     saved = (_squares(found) - _squares(without)) / COORDINATES
     ratio = saved / max(without.residual_um**2, 1e-12)
-    return bool(ratio > stats.f.isf(FALSE_ALARM / count, COORDINATES, left))
+    return bool(ratio > scipy.stats.f.isf(FALSE_ALARM / count, COORDINATES, left))
 
 
 def _named(

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
+import scipy
 
 from skiplatch.arrays import FloatArray
 from skiplatch.errors import InputError
@@ -138,4 +138,4 @@ def _about_z(turn_deg: float) -> FloatArray:
 def _farthest_deg(away: FloatArray, places: FloatArray) -> float:
     cosines = np.clip(away @ places.T, -1.0, 1.0)
     angles_deg = np.degrees(np.arccos(cosines))
-    return float(angles_deg[linear_sum_assignment(angles_deg**2)].max())
+    return float(angles_deg[scipy.optimize.linear_sum_assignment(angles_deg**2)].max())

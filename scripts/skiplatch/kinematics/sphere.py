@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import optimize, stats
 
 from skiplatch.arrays import FloatArray
 from skiplatch.errors import InputError
@@ -96,7 +96,7 @@ def least_squares_sphere(points: FloatArray) -> FloatArray:
         raise NoSphereError("the points lie in a plane: they determine no sphere")
     x = np.linalg.lstsq(rows, np.sum(near**2, axis=1), rcond=None)[0]
     start = np.append(x[:3], np.sqrt(max(x[3] + x[:3] @ x[:3], 1e-12)))
-    found = optimize.least_squares(
+    found = scipy.optimize.least_squares(
         _residuals, start, _slopes, args=(near,), xtol=1e-15, ftol=1e-15, gtol=1e-15
     )
     centre = middle + scale * found.x[:3]
@@ -135,7 +135,7 @@ def _worst(
     if best is None:
         return None
     ratio = (all_squares - best[0]) / max(best[0] / left, np.finfo(float).tiny)
-    limit = stats.f.isf(FALSE_ALARM / count, 1, left)
+    limit = scipy.stats.f.isf(FALSE_ALARM / count, 1, left)
     is_exact = all_squares <= (1e-12 * unknowns[3]) ** 2 * count
     return None if is_exact or ratio <= limit else (best[1], best[2])
 
@@ -147,7 +147,7 @@ def _told(points: FloatArray, stays: NDArray[np.bool_], unknowns: FloatArray) ->
     residual = float(np.sqrt(np.sum(off**2) / freedom))
     slopes = _slopes(unknowns, kept)
     covariance = np.linalg.inv(slopes.T @ slopes)
-    widened = float(stats.t.isf(0.5 * (1.0 - COVERAGE), freedom)) / 3.0
+    widened = float(scipy.stats.t.isf(0.5 * (1.0 - COVERAGE), freedom)) / 3.0
     u_um = UM_PER_MM * residual * widened * np.sqrt(np.diag(covariance))
     outside = _residuals(unknowns, points)
     x, y, z, radius = map(float, unknowns)

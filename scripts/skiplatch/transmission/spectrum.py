@@ -9,9 +9,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
-from scipy import fft, signal
 
 from skiplatch.arrays import FloatArray
 
@@ -222,14 +222,14 @@ def _peaks(turns: FloatArray, left: FloatArray, per_turn: float) -> FloatArray:
     places = np.rint((turns - np.min(turns)) * per_turn).astype(np.int64)
     grid = np.zeros(int(places.max()) + 1)
     grid[places] = left
-    window = signal.windows.hann(len(grid), sym=False)
-    length = fft.next_fast_len(2 * len(grid), real=True)
-    power = np.abs(fft.rfft(grid * window, length)) ** 2
+    window = scipy.signal.windows.hann(len(grid), sym=False)
+    length = scipy.fft.next_fast_len(2 * len(grid), real=True)
+    power = np.abs(scipy.fft.rfft(grid * window, length)) ** 2
     fold = length / len(grid)  # the grid is padded to about twice its length
     floor = _floor(power)
     floor_least = (1e-12 * float(np.max(np.abs(left), initial=0.0)) * len(grid)) ** 2
     stands_out = np.log(len(grid) / FALSE_ALARM) * np.maximum(floor, floor_least)
-    tops, _ = signal.find_peaks(power, distance=max(round(APART_BINS * fold), 1))
+    tops, _ = scipy.signal.find_peaks(power, distance=max(round(APART_BINS * fold), 1))
     tops = tops[(power[tops] > stands_out[tops]) & (tops >= _slowest_bins(turns) * fold)]
     tops = tops[power[tops] > SMALLEST_SHARE**2 * np.max(power[tops], initial=0.0)]
     highest = tops[np.argsort(-power[tops])]

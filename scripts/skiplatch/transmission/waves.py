@@ -1,8 +1,8 @@
 """Ranges of a transmission error: of the whole train, and its waves by the tooth pitch."""
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from skiplatch.arrays import FloatArray
 
@@ -50,7 +50,7 @@ class Waves:
         self._tail = joined[-3 * self._pitch :]
         self.tooth_to_tooth = max(self.tooth_to_tooth, _within(joined, self._pitch))
         if len(joined) >= 3 * self._pitch:
-            mean = ndimage.uniform_filter1d(joined, self._pitch)
+            mean = scipy.ndimage.uniform_filter1d(joined, self._pitch)
             inner = slice(self._pitch, len(joined) - self._pitch)  # where the mean has all points
             self.long_wave.add(mean[inner])
             self.short_wave = max(self.short_wave, _within((joined - mean)[inner], self._pitch))
@@ -58,5 +58,7 @@ class Waves:
 
 def _within(values: FloatArray, width: int) -> float:
     """Give the largest range of so many neighbours."""
-    span = ndimage.maximum_filter1d(values, width) - ndimage.minimum_filter1d(values, width)
+    span = scipy.ndimage.maximum_filter1d(values, width) - scipy.ndimage.minimum_filter1d(
+        values, width
+    )
     return float(span.max(initial=0.0))

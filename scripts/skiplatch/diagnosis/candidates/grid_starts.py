@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from itertools import product
 
 import numpy as np
-from scipy import optimize
+import scipy
 
 from skiplatch.arrays import FloatArray, winsorised
 from skiplatch.diagnosis.candidates.positions import positions
@@ -166,7 +166,7 @@ def _midway(values: FloatArray, pitch: float, turn: float) -> tuple[float, float
     counts = np.rint((some - line) / pitch)
     off, most = some - line - counts * pitch, float(np.abs(counts).max()) or 1.0
     lines, farthest = np.column_stack([counts / most, np.ones(len(some))]), -np.ones((len(some), 1))
-    found = optimize.linprog(
+    found = scipy.optimize.linprog(
         [0.0, 0.0, 1.0],
         A_ub=np.block([[lines, farthest], [-lines, farthest]]),
         b_ub=np.concatenate([off, -off]),

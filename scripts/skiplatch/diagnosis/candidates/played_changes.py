@@ -3,7 +3,7 @@
 from functools import lru_cache
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from skiplatch.arrays import BoolArray, FloatArray, calmed
 from skiplatch.diagnosis.candidates.played_pairs import FEWEST_REPLICATES, Pair, Player, is_same
@@ -165,6 +165,6 @@ def _everywhere(values: FloatArray, rows: BoolArray) -> FloatArray:
 def _now_and_then(hits: FloatArray, share: float) -> Extra:
     """What only some touches get: an exponential if it is skewed like one, else a Gaussian."""
     mean, sigma, least = float(hits.mean()), float(hits.std()), float(hits.min())
-    if sigma > 1e-3 * abs(mean) and stats.skew(hits) > SKEWED:
+    if sigma > 1e-3 * abs(mean) and scipy.stats.skew(hits) > SKEWED:
         return Extra(share, offset=least, mean=mean - least)
     return Extra(share, offset=mean, sigma=sigma)

@@ -10,7 +10,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from scipy.stats import qmc
+import scipy
 
 from skiplatch.arrays import FloatArray, IndexArray
 from skiplatch.diagnosis.candidates.candidate import Candidate
@@ -98,7 +98,7 @@ def _starts(parameters: Sequence[Parameter]) -> list[list[float]]:
     if not parameters:
         return [[]]
     count = STARTS * min(len(parameters), 2)
-    points = qmc.Halton(len(parameters), scramble=False).random(count + 1)[1:]
+    points = scipy.stats.qmc.Halton(len(parameters), scramble=False).random(count + 1)[1:]
     return [[_start(p, u) for p, u in zip(parameters, point, strict=True)] for point in points]
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy import optimize
+import scipy
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.surrogates import Parameters, warmth_k_s
@@ -216,7 +216,7 @@ def robust_fit(
     def off(p: Parameters) -> FloatArray:
         return np.asarray(design @ p - values) / scale
 
-    found = optimize.least_squares(off, least, x_scale="jac", loss="soft_l1")
+    found = scipy.optimize.least_squares(off, least, x_scale="jac", loss="soft_l1")
     return np.asarray(found.x), float(found.cost)
 
 

@@ -4,7 +4,7 @@ The simulator has its own, exact form of every effect; these are the surrogates 
 """
 
 import numpy as np
-from scipy import linalg
+import scipy
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.density.change import NOTHING, Change
@@ -244,7 +244,7 @@ def _lagged(scene: Scene, lag_s: float, cold: float, thermometer: int) -> FloatA
     bands = np.ones((2, len(warmth)))
     bands[1, :-1] = -keep
     given = np.append((1.0 - cold) * warmth[0], (1.0 - keep) * warmth[1:])
-    return np.asarray(linalg.solve_banded((1, 0), bands, given, check_finite=False))
+    return np.asarray(scipy.linalg.solve_banded((1, 0), bands, given, check_finite=False))
 
 
 def delay(_scene: Scene, p: Parameters) -> Change:

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, Touches
@@ -119,7 +119,7 @@ def _shares(count: int, rng: np.random.Generator) -> dict[str, FloatArray]:
 
     Each feature alone is spread evenly.
     """
-    drawn = qmc.LatinHypercube(len(FEATURES), rng=rng).random(count).T
+    drawn = scipy.stats.qmc.LatinHypercube(len(FEATURES), rng=rng).random(count).T
     return dict(zip(FEATURES, drawn, strict=True))
 
 

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.experiment.channels import MISSED
@@ -45,7 +45,7 @@ class Densities:
         counts = np.stack([_counts(model, 2 * edges.shape[1] + 1) for model in cells])
         known = counts.sum(axis=2)
         if name != MISSED:
-            counts = gaussian_filter1d(counts, WIDTH, axis=2, mode="reflect")
+            counts = scipy.ndimage.gaussian_filter1d(counts, WIDTH, axis=2, mode="reflect")
         share = (counts + PRIOR / counts.shape[2]) / (known + PRIOR)[:, :, None]
         return cls(edges, share, known / values.shape[1])
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy import optimize
+import scipy
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.candidate import Candidate
@@ -71,7 +71,7 @@ def _climb(scenes: Sequence[Scene], model: Fit) -> Fit:
     def minus(values: FloatArray) -> float:
         return -total(scenes, moved(values))
 
-    found = optimize.minimize(
+    found = scipy.optimize.minimize(
         minus,
         start[free],
         method="Nelder-Mead",

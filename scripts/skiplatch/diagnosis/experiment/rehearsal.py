@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, Nominal, Status, Touches
@@ -73,7 +73,9 @@ class Rehearsal:
             scenes = _recorded(nominal or self.old.nominal, plan, outcomes, columns)
             behind[truth] = np.mean([self._behind(new, truth) for new in scenes], axis=0)
         tied = np.minimum(behind, behind.T) < APART
-        return np.asarray(connected_components(tied, directed=False)[1], dtype=np.intp)
+        return np.asarray(
+            scipy.sparse.csgraph.connected_components(tied, directed=False)[1], dtype=np.intp
+        )
 
     def _behind(self, new: Scene, truth: int) -> FloatArray:
         """Give the nats by which each model expects new touches less than the truth; (m,)."""

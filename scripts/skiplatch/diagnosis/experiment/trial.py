@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.special import log_softmax
 
 from skiplatch.arrays import FloatArray
 
@@ -79,6 +79,6 @@ def _bits(log_likelihoods: FloatArray) -> FloatArray:
     the truth is left with.
     """
     models = np.arange(len(log_likelihoods))
-    left = log_softmax(log_likelihoods, axis=0)[models, models]
+    left = scipy.special.log_softmax(log_likelihoods, axis=0)[models, models]
     gained = (np.log(len(models)) + left.mean(axis=(0, 1))) / np.log(2.0)
     return np.asarray(np.maximum(gained, 0.0))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from scipy import optimize
+import scipy
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Nominal
@@ -171,7 +171,7 @@ def _near(
     cost: Callable[[float], float], place: float, reach: float, ends: tuple[float, float]
 ) -> float:
     bounds = max(place - reach, ends[0]), min(place + reach, ends[1])
-    found = optimize.minimize_scalar(
+    found = scipy.optimize.minimize_scalar(
         cost, bounds=bounds, method="bounded", options={"xatol": CLOSE * reach}
     )
     return float(found.x)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.surrogates import turn_of
@@ -16,7 +16,7 @@ from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import effects
 
-NORMAL = float(stats.norm.ppf((1.0 + CONFIDENCE) / 2.0))
+NORMAL = float(scipy.special.ndtri((1.0 + CONFIDENCE) / 2.0))
 SEED = 1
 A_FALL = 2.0
 """Nats, of both ways together, up to which a likelihood falls as a normal law does."""

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
-from scipy import optimize
+import scipy
 
 from skiplatch.arrays import FloatArray
 
@@ -40,7 +40,7 @@ def climb(target: Target, start: FloatArray, widening: float, step: float = STEP
     def minus(shares: FloatArray) -> float:
         return target(whole(shares), widening)
 
-    found = optimize.minimize(
+    found = scipy.optimize.minimize(
         minus,
         ones,
         method="Nelder-Mead",

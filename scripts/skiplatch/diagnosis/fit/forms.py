@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import optimize
+import scipy
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.candidate import Candidate, Refinement
@@ -93,7 +93,7 @@ def _likeliest_slack(target: Target, point: FloatArray) -> float:
     costs = [cost(slack) for slack in SLACKS]
     i = int(np.argmin(costs))
     low, high = SLACKS[max(i - 1, 0)], SLACKS[min(i + 1, len(SLACKS) - 1)]
-    found = optimize.minimize_scalar(
+    found = scipy.optimize.minimize_scalar(
         lambda exponent: cost(float(np.exp(exponent))),
         bounds=(float(np.log(low)), float(np.log(high))),
         method="bounded",

@@ -14,7 +14,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import optimize, stats
+import scipy
 
 from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.diagnosis.fit.as_effects import as_effects, rounded
@@ -24,7 +24,7 @@ from skiplatch.diagnosis.fit.weighted_samples import Cloud, sampled
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 
-FALL = float(stats.chi2.ppf(CONFIDENCE, 1)) / 2.0
+FALL = float(scipy.special.chdtri(1.0, 1.0 - CONFIDENCE)) / 2.0
 """Nats from the peak to the end of the interval of a parameter that stands at an end."""
 FIRST_STEP = 1e-3  # of the value
 SMALLEST_STEP = 1e-13
@@ -192,7 +192,7 @@ def _reach(surface: Surface, index: int, sense: float) -> float:
     step = room
     while step > SMALLEST_STEP * room and surface.fall(sense * step / 4.0 * unit) > FALL:
         step /= 4.0
-    crossed = optimize.brentq(
+    crossed = scipy.optimize.brentq(
         lambda s: surface.fall(sense * s * unit) - FALL, 0.0, step, rtol=1e-2, xtol=1e-2 * step
     )
     return slot.value + sense * float(crossed)

@@ -6,7 +6,7 @@ from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import optimize
+import scipy
 
 from skiplatch.arrays import FloatArray, IndexArray
 from skiplatch.diagnosis.candidates.surrogates import SWITCHES, highest, turn_of
@@ -151,7 +151,7 @@ class Surface:
             return -self.along(free, steps * moved)
 
         start: FloatArray = np.zeros(len(free))
-        found = optimize.minimize(
+        found = scipy.optimize.minimize(
             minus,
             start,
             method="Nelder-Mead",

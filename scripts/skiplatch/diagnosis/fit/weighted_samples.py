@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.diagnosis.fit.surface import A_STEP, Surface
@@ -68,7 +68,7 @@ def sampled(
         if i >= len(ROUNDS) and _counting(weights) >= ENOUGH:
             break
         size = more * count
-        proposal = stats.multivariate_t(middle, _firm(spread), DEGREES_OF_FREEDOM, seed=rng)
+        proposal = scipy.stats.multivariate_t(middle, _firm(spread), DEGREES_OF_FREEDOM, seed=rng)
         drawn = _drawn(proposal.rvs, size, are_within)
         if not len(drawn):
             break

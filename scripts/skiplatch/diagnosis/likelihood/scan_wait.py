@@ -3,7 +3,7 @@
 from functools import lru_cache
 
 import numpy as np
-from scipy import special
+import scipy
 
 from skiplatch.diagnosis.density.change import Change, Wait, together
 from skiplatch.diagnosis.density.law import Extra
@@ -62,7 +62,7 @@ def _wrapped(centre: float, spread: float) -> list[tuple[float, float, float]]:
     if INSIDE * spread <= centre <= 1.0 - INSIDE * spread:
         return [(1.0, centre, spread)]
     low, high = ((end - centre - TURNS) / spread for end in (0.0, 1.0))
-    shares = special.ndtr(high) - special.ndtr(low)
+    shares = scipy.special.ndtr(high) - scipy.special.ndtr(low)
     known = shares > LEAST_PART
     low, high, shares = low[known], high[known], shares[known]
     # The truncated normal law's; scipy.stats takes longer over them than the density itself.

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from scipy import stats
+import scipy
 
 from skiplatch.diagnosis.fit.material import Materiality
 from skiplatch.diagnosis.scene.covariates import in_words
@@ -62,7 +62,7 @@ class Left:
     @property
     def p_value(self) -> float:
         """Chance of as much where nothing is left."""
-        return float(stats.norm.sf(self.z))
+        return float(scipy.stats.norm.sf(self.z))
 
     @property
     def is_share(self) -> bool:

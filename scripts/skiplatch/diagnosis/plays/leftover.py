@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.fit.material import Materiality
@@ -277,4 +277,4 @@ def _errors_of_count(count: int, n: int, rate: float) -> float:
     """Give how many standard errors a count of n is from its rate: one alone is an accident."""
     if count > n * rate:
         return errors_of_excess(count, n, rate)
-    return errors_of(float(stats.binom.cdf(count, n, rate)))
+    return errors_of(float(scipy.stats.binom.cdf(count, n, rate)))

@@ -13,7 +13,7 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.diagnosis.plays.left import EVERYWHERE, Left
@@ -190,7 +190,7 @@ class Look:
         29 (1958) 972). Their size is not normal, and is ranked.
         """
         yield from self._by_condition("shift", self._scores)
-        yield from self._by_condition("scatter", stats.rankdata(self._sizes))
+        yield from self._by_condition("scatter", scipy.stats.rankdata(self._sizes))
 
     def _by_condition(self, kind: str, target: FloatArray) -> Iterator[Left]:
         for best in told_by_one(varying(self._setting.known, self._rows), target):
@@ -261,8 +261,8 @@ class Look:
 
     def remembered(self) -> Iterator[Left]:
         """Look for touches that are off as those before them were, or as far."""
-        ranks = stats.rankdata(self._sizes) / (len(self._sizes) + 1.0)
-        for kind, scores in (("shift", self._scores), ("scatter", stats.norm.ppf(ranks))):
+        ranks = scipy.stats.rankdata(self._sizes) / (len(self._sizes) + 1.0)
+        for kind, scores in (("shift", self._scores), ("scatter", scipy.stats.norm.ppf(ranks))):
             found = remembered(self._setting.order, self._rows, scores)
             if found is not None:
                 words = (f"{WITHIN} {found.window} touches{IN_WORDS[kind]}",)

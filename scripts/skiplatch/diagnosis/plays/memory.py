@@ -9,7 +9,7 @@ type III.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.scene.covariates import Order
@@ -78,4 +78,4 @@ def _chance(together: float, pairs: int, lags: int) -> float:
     if pairs < FEWEST_A_LAG * lags:
         return 1.0
     root = np.sqrt(pairs)
-    return float(stats.pearson3.sf(together / root, 3.0 * (lags - 1.0) / root))
+    return float(scipy.stats.pearson3.sf(together / root, 3.0 * (lags - 1.0) / root))

@@ -1,7 +1,7 @@
 """Where in the scan touches fall, beside plays of them."""
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.plays.scores import shares_among, way_from_normal
@@ -32,5 +32,5 @@ def off_in_scan(
     before, per_us = (values[rows] for values in expected)
     waits = (played - before) / per_us
     shares = shares_among(np.sort(waits[~np.isnan(waits)]), (recorded - before) / per_us)
-    z = errors_of(float(stats.cramervonmises(shares, "uniform").pvalue))
-    return way_from_normal(stats.norm.ppf(shares)), z
+    z = errors_of(float(scipy.stats.cramervonmises(shares, "uniform").pvalue))
+    return way_from_normal(scipy.stats.norm.ppf(shares)), z

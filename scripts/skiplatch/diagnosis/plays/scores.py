@@ -1,7 +1,7 @@
 """Where touches stand among plays: their ranks as normal scores."""
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from skiplatch.arrays import FloatArray
 
@@ -26,7 +26,7 @@ def normal_scores(
     same = np.where(known, played == recorded, False).sum(axis=0)
     count = known.sum(axis=0)
     share = (below + among_equals * (same + 1.0)) / (count + 1.0)
-    return np.where(np.isnan(recorded) | (count == 0), np.nan, stats.norm.ppf(share))
+    return np.where(np.isnan(recorded) | (count == 0), np.nan, scipy.stats.norm.ppf(share))
 
 
 def shares_among(pool: FloatArray, values: FloatArray) -> FloatArray:
@@ -40,7 +40,7 @@ def way_from_normal(scores: FloatArray) -> float:
     """Give the mean way from scores to those of as many normal ones (Wasserstein's distance)."""
     known = np.sort(scores[~np.isnan(scores)])
     shares = (np.arange(len(known)) + 0.5) / len(known)
-    return float(np.mean(np.abs(known - stats.norm.ppf(shares))))
+    return float(np.mean(np.abs(known - scipy.stats.norm.ppf(shares))))
 
 
 def go_together(scores: FloatArray) -> bool:

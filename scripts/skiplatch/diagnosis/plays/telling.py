@@ -6,8 +6,7 @@ from itertools import combinations, compress
 from operator import attrgetter
 
 import numpy as np
-from scipy import stats
-from sklearn.ensemble import RandomForestRegressor  # type: ignore[import-untyped]
+import scipy
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.scene.covariates import PAIRED
@@ -32,6 +31,9 @@ def told_by_forest(
     columns: Mapping[str, FloatArray], targets: FloatArray, seed: int
 ) -> tuple[FloatArray, tuple[str, ...]]:
     """Predict targets, shape (m,) or (m, k), from columns, and name what that goes by most."""
+    # Here, for it takes a second to load, and half of the commands never grow one.
+    from sklearn.ensemble import RandomForestRegressor  # type: ignore[import-untyped] # noqa: PLC0415
+
     forest = RandomForestRegressor(
         TREES,
         min_samples_leaf=LEAF,
@@ -100,11 +102,11 @@ def best_ranked(columns: Mapping[str, FloatArray], target: FloatArray) -> Ranked
         varying = np.ptp(values, axis=1) > 0.0
         if not varying.any():
             continue
-        ranks = stats.rankdata(values[varying], axis=1)
+        ranks = scipy.stats.rankdata(values[varying], axis=1)
         shapes = np.vstack([ranks, _bent(ranks)])
         shown = np.ptp(shapes, axis=1) > SMALLEST  # two values do not bend
         tried = compress(2 * list(compress(names, varying)), shown)
-        chances = stats.pearsonr(shapes[shown], target[known][None, :], axis=1).pvalue
+        chances = scipy.stats.pearsonr(shapes[shown], target[known][None, :], axis=1).pvalue
         for chance, name, shape in zip(chances.tolist(), tried, shapes[shown], strict=True):
             found.append(Ranked(chance, (name,), _at(known, shape)))
     return _most_telling(found)
@@ -120,13 +122,13 @@ def best_paired(columns: Mapping[str, FloatArray], target: FloatArray) -> Ranked
     pairs = list(combinations(names, 2))
     if not pairs or len(target) < FEWEST or np.ptp(target) == 0.0:
         return None
-    ranks = {name: stats.rankdata(columns[name]) for name in names}
+    ranks = {name: scipy.stats.rankdata(columns[name]) for name in names}
     off = {name: values - values.mean() for name, values in ranks.items()}
     products = np.array([off[one] * off[other] for one, other in pairs])
     shown = np.ptp(products, axis=1) > SMALLEST
     if not shown.any():
         return None
-    chances = stats.pearsonr(products[shown], target[None, :], axis=1).pvalue
+    chances = scipy.stats.pearsonr(products[shown], target[None, :], axis=1).pvalue
     least = int(np.argmin(chances))
     pair = list(compress(pairs, shown))[least]
     return Ranked(float(chances[least]) * len(chances), pair, products[shown][least])
@@ -148,7 +150,9 @@ def best_levelled(columns: Mapping[str, FloatArray], target: FloatArray) -> Rank
         means = np.bincount(level, there) / count
         between = float(count @ (means - there.mean()) ** 2) / (levels - 1)
         within = float(np.sum((there - means[level]) ** 2)) / (len(there) - levels)
-        chance = float(stats.f.sf(between / max(within, SMALLEST), levels - 1, len(there) - levels))
+        chance = float(
+            scipy.stats.f.sf(between / max(within, SMALLEST), levels - 1, len(there) - levels)
+        )
         found.append(Ranked(chance, (name,), _at(known, means[level])))
     return _most_telling(found)
 

@@ -6,7 +6,7 @@ A wave of so short a period has but part of what such pulses have, and a forest 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.statistics import errors_of
@@ -46,7 +46,7 @@ def in_turn(serial: IndexArray, scores: FloatArray) -> Turn | None:
     turns = _counted(serial, off)
     _, _, count, total = turns
     explained = np.minimum(total**2 / (count * (1.0 - count / m) * float(off @ off)), 1.0)
-    return _best(serial, turns, np.asarray(stats.beta.sf(explained, 0.5, 0.5 * (m - 2.0))))
+    return _best(serial, turns, np.asarray(scipy.stats.beta.sf(explained, 0.5, 0.5 * (m - 2.0))))
 
 
 def happens_in_turn(serial: IndexArray, happened: BoolArray) -> Turn | None:
@@ -58,7 +58,7 @@ def happens_in_turn(serial: IndexArray, happened: BoolArray) -> Turn | None:
     """
     turns = _counted(serial, happened.astype(float))
     _, _, count, met = turns
-    chance = stats.hypergeom.sf(met - 1.0, len(serial), happened.sum(), count)
+    chance = scipy.stats.hypergeom.sf(met - 1.0, len(serial), happened.sum(), count)
     return _best(serial, turns, np.asarray(chance))
 
 

@@ -1,7 +1,7 @@
 """How much of an error sines of many frequencies explain, over positions that lie anywhere."""
 
 import numpy as np
-from scipy import fft
+import scipy
 
 from skiplatch.arrays import FloatArray
 
@@ -39,9 +39,9 @@ def shortest_wave(values: FloatArray) -> float:
     span = float(np.ptp(distinct))
     fastest = MOST_BETWEEN * len(distinct) / span
     cell = 1.0 / (CELLS_OF_WINDOW * 2.0 * fastest)
-    length = fft.next_fast_len(int(np.ceil(FREQUENCIES_A_PEAK * span / cell)) + 1, real=True)
+    length = scipy.fft.next_fast_len(int(np.ceil(FREQUENCIES_A_PEAK * span / cell)) + 1, real=True)
     where = np.rint((distinct - distinct[0]) / cell).astype(np.intp)
-    window = np.abs(fft.rfft(np.bincount(where, minlength=length)) / len(distinct)) ** 2
+    window = np.abs(scipy.fft.rfft(np.bincount(where, minlength=length)) / len(distinct)) ** 2
     is_alike = window[: int(2.0 * fastest * length * cell) + 1] > ALIKE
     if is_alike.all():
         return np.inf
@@ -80,13 +80,13 @@ def explained_by_sines(
     span = float(np.ptp(position)) or 1.0
     cells, finer = COARSE if is_coarse else FINE
     cell = 1.0 / (cells * fastest)
-    length = fft.next_fast_len(int(np.ceil(finer * span / cell)) + 1, real=True)
+    length = scipy.fft.next_fast_len(int(np.ceil(finer * span / cell)) + 1, real=True)
     where = np.rint((position - position.min()) / cell).astype(np.intp)
     weights = weights / weights.sum()
     error = error - weights @ error
 
     def transformed(values: FloatArray) -> FloatArray:
-        return np.asarray(fft.rfft(np.bincount(where, values, length)))
+        return np.asarray(scipy.fft.rfft(np.bincount(where, values, length)))
 
     steps = np.arange(int(np.ceil(length * cell * turns / span)), int(length * cell * fastest) + 1)
     windows, errors = transformed(weights), transformed(weights * error)

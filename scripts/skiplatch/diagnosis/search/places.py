@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.diagnosis.candidates.candidate import Candidate
@@ -111,7 +111,7 @@ def _log_chance(
         return 0.0
     over = (before - after) / free / (after / open_ones)
     periods = max(1.0, float(np.ptp(where_mm)) / (scene.whole or scene).shortest_wave_mm)
-    return float(stats.f.logsf(over, free, open_ones)) + math.log(periods)
+    return float(scipy.stats.f.logsf(over, free, open_ones)) + math.log(periods)
 
 
 def _of_data(

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Self
 
 import numpy as np
-from scipy import stats
+import scipy
 from scoringrules import crps_ensemble  # type: ignore[import-untyped]
 
 from skiplatch.arrays import FloatArray, calmed
@@ -183,7 +183,7 @@ def _differ(one: FloatArray, another: FloatArray) -> float:
     differences = one - another
     if np.max(np.abs(differences)) < RESOLVABLE:
         return 1.0
-    return float(stats.wilcoxon(differences, zero_method="zsplit", method="approx").pvalue)
+    return float(scipy.stats.wilcoxon(differences, zero_method="zsplit", method="approx").pvalue)
 
 
 def _crps(recorded: FloatArray, ensemble: FloatArray) -> FloatArray:
@@ -202,4 +202,4 @@ def _exceed(scores: FloatArray, floor: FloatArray) -> float:
     differences = scores - floor
     if np.ptp(differences) < RESOLVABLE:
         return float(differences.mean() < RESOLVABLE)
-    return float(stats.ttest_1samp(differences, 0.0, alternative="greater").pvalue)
+    return float(scipy.stats.ttest_1samp(differences, 0.0, alternative="greater").pvalue)

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import logsumexp
+import scipy
 
 from skiplatch.arrays import BoolArray
 from skiplatch.diagnosis.fit.fit import Fit
@@ -246,4 +246,4 @@ def _likelier_in_turn(
         _likelier(scene, rows & (folds.fold == i), believed, rig, fit)
         for i, (rig, fit) in enumerate(pairs)
     ]
-    return float(logsumexp(nats) - np.log(len(nats)))
+    return float(scipy.special.logsumexp(nats) - np.log(len(nats)))

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.plays.left import SIGNIFICANT
@@ -72,15 +72,17 @@ def _errors(touches: int, conditions: int) -> float:
 
     What few touches scatter by is known badly: Student's t, whose own scatter grows with it.
     """
-    chance, freedom = float(stats.norm.sf(SIGNIFICANT)) / max(conditions, 1), touches - 2
-    least = float(stats.t.isf(chance / 2.0, freedom))
-    return least + float(stats.norm.ppf(POWER)) * float(np.sqrt(1.0 + least**2 / (2.0 * freedom)))
+    chance, freedom = float(scipy.stats.norm.sf(SIGNIFICANT)) / max(conditions, 1), touches - 2
+    least = float(scipy.stats.t.isf(chance / 2.0, freedom))
+    return least + float(scipy.stats.norm.ppf(POWER)) * float(
+        np.sqrt(1.0 + least**2 / (2.0 * freedom))
+    )
 
 
 def _hidden(off: FloatArray, played: FloatArray, errors: float, step: float) -> Hidden:
     """Two halves of n touches differ by chance by twice the scatter over the root of n."""
     noise = float(np.sqrt(np.nanmedian(np.nanvar(played, axis=0))))
-    scatter = max(noise, float(stats.median_abs_deviation(off, scale="normal")))
+    scatter = max(noise, float(scipy.stats.median_abs_deviation(off, scale="normal")))
     relative = errors * 2.0 / float(np.sqrt(len(off)))
     is_rounded_away = scatter < SPREADS_A_STEP * step
     return Hidden(step if is_rounded_away else relative * scatter, relative)

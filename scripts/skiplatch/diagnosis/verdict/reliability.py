@@ -5,7 +5,7 @@ from collections.abc import Collection
 from functools import cache
 from importlib import resources
 
-from scipy import stats
+import scipy
 
 from skiplatch.diagnosis.verdict.verdict import Verdict
 
@@ -59,4 +59,4 @@ def reliability(standing: str) -> float:
     campaigns with strangers, unknown data and wrong beliefs in their share.
     """
     right, wrong = _counts(standing)
-    return float(stats.beta.ppf(1.0 - CERTAINTY, right + 1.0, wrong + 1.0))
+    return float(scipy.stats.beta.ppf(1.0 - CERTAINTY, right + 1.0, wrong + 1.0))

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.campaign import InputPath
@@ -247,7 +247,7 @@ def _share_gone(samples: tuple[FloatArray, FloatArray], seed: int, *, is_clear: 
         is_clear: There is a gap.
     """
     value = float(_share(*samples)) if is_clear else 0.0
-    resampled = stats.bootstrap(
+    resampled = scipy.stats.bootstrap(
         samples,
         _share,
         n_resamples=RESAMPLES,
