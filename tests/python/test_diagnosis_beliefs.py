@@ -297,7 +297,7 @@ def test_a_search_that_misses_a_peak_takes_what_fitted_beside_another_change(
     def far_off(*_: object, bounds: tuple[float, float], **__: object) -> SimpleNamespace:
         return SimpleNamespace(x=bounds[0])
 
-    monkeypatch.setattr("skiplatch.diagnosis.fit.belief_fit.optimize.minimize_scalar", far_off)
+    monkeypatch.setattr("scipy.optimize.minimize_scalar", far_off)
 
     assert fit_beliefs(scene, Change(), [belief]).nominal == scene.nominal
     tried = fit_beliefs(scene, Change(), [belief], truth).nominal
