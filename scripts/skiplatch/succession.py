@@ -67,8 +67,10 @@ def independent_share(residuals: FloatArray) -> float:
     By Bartlett (1935), for a correlation that falls off geometrically, as far as it is shown.
     """
     n = len(residuals)
-    least = scipy.stats.norm.isf(TOLD_BY_CHANCE) / np.sqrt(n)
-    if n < FEWEST or _seen(residuals) + 1.0 / n <= least:
+    if n < FEWEST:
+        return 1.0
+    by_chance = scipy.stats.norm.isf(TOLD_BY_CHANCE) / np.sqrt(n)
+    if _seen(residuals) + 1.0 / n <= by_chance:
         return 1.0
     kept = follows(residuals)
     return (1.0 - kept) / (1.0 + kept)
