@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Self
 
-import scipy  # its parts load when they are first used, which takes most of a second
+import scipy
 
 from skiplatch.arrays import FloatArray
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
-import scipy  # its parts load when they are first used, which takes most of a second
+import scipy
 
 from skiplatch.fleet.changes import Change, level, started_log
 from skiplatch.fleet.history import Entry, Gap, History

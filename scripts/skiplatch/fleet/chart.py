@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
-import scipy  # its parts load when they are first used, which takes most of a second
+import scipy
 
 Floats = npt.NDArray[np.float64]
 

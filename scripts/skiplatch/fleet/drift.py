@@ -13,7 +13,7 @@ from datetime import datetime
 
 import numpy as np
 import numpy.typing as npt
-import scipy  # its parts load when they are first used, which takes most of a second
+import scipy
 
 from skiplatch.fleet.budget import MONTH
 from skiplatch.fleet.chart import FEWEST

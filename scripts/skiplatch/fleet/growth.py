@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy  # its parts load when they are first used, which takes most of a second
+import scipy
 
 from skiplatch.fleet.history import Entry, Parameter
 from skiplatch.statistics import CONFIDENCE, Interval

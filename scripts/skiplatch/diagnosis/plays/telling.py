@@ -31,8 +31,7 @@ def told_by_forest(
     columns: Mapping[str, FloatArray], targets: FloatArray, seed: int
 ) -> tuple[FloatArray, tuple[str, ...]]:
     """Predict targets, shape (m,) or (m, k), from columns, and name what that goes by most."""
-    # Here, for it takes a second to load, and half of the commands never grow one.
-    from sklearn.ensemble import RandomForestRegressor  # type: ignore[import-untyped] # noqa: PLC0415
+    from sklearn.ensemble import RandomForestRegressor  # type: ignore[import-untyped]
 
     forest = RandomForestRegressor(
         TREES,
