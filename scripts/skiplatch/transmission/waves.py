@@ -58,7 +58,6 @@ class Waves:
 
 def _within(values: FloatArray, width: int) -> float:
     """Give the largest range of so many neighbours."""
-    span = scipy.ndimage.maximum_filter1d(values, width) - scipy.ndimage.minimum_filter1d(
-        values, width
-    )
-    return float(span.max(initial=0.0))
+    highest = scipy.ndimage.maximum_filter1d(values, width)
+    lowest = scipy.ndimage.minimum_filter1d(values, width)
+    return float((highest - lowest).max(initial=0.0))

@@ -55,10 +55,8 @@ NEARLY_AS_MUCH = 0.5
 class Judge(Believer):
     """Fits and scores models on one campaign."""
 
-    @cached_property
-    def _left_out(self) -> set[str]:
-        """Ids of the effects that are not tried; none to begin with."""
-        return set()
+    _left_out = frozenset[str]()
+    """Ids of the effects that are not tried."""
 
     def _look_at(self, scene: Scene) -> None:
         super()._look_at(scene)
@@ -68,12 +66,12 @@ class Judge(Believer):
 
     def leave_out(self, ids: Collection[str]) -> None:
         """Try some effects no more."""
-        self._left_out.update(ids)
+        self._left_out = self._left_out.union(ids)
         self._look_at(self._believed)
 
     def take_back(self, ids: Collection[str]) -> None:
         """Try them again."""
-        self._left_out.difference_update(ids)
+        self._left_out = self._left_out.difference(ids)
         self._look_at(self._believed)
 
     def singles(self, ids: Collection[str] | None = None) -> list[Scored]:

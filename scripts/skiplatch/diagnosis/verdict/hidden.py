@@ -74,9 +74,8 @@ def _errors(touches: int, conditions: int) -> float:
     """
     chance, freedom = float(scipy.stats.norm.sf(SIGNIFICANT)) / max(conditions, 1), touches - 2
     least = float(scipy.stats.t.isf(chance / 2.0, freedom))
-    return least + float(scipy.stats.norm.ppf(POWER)) * float(
-        np.sqrt(1.0 + least**2 / (2.0 * freedom))
-    )
+    wider = float(np.sqrt(1.0 + least**2 / (2.0 * freedom)))
+    return least + float(scipy.stats.norm.ppf(POWER)) * wider
 
 
 def _hidden(off: FloatArray, played: FloatArray, errors: float, step: float) -> Hidden:
