@@ -99,9 +99,12 @@ def bench_history(folder: Path) -> None:
         weeks = reader.history("rig-000").rows
     seconds = time.perf_counter() - begin
     whole = timed([str(SKIPLATCH), "fleet", "show", "rig-000", "--store", str(store)])
+    page = folder / "page.html"
+    paged = timed([str(SKIPLATCH), "fleet", "report", "--store", str(store), "--html", str(page)])
     everything = RIGS * WEEKS * TOUCHES
     print(f"a rig's history of {len(weeks)} campaigns in a store of {everything:,} touches")
     print(f"  {seconds:9.2f} s, the whole command {whole:.2f} s   aim: at most {HISTORY_AIM_S:g} s")
+    print(f"  the page of all {RIGS} rigs {paged:.2f} s")
 
 
 def bench_adding(folder: Path) -> None:

@@ -1,7 +1,6 @@
 """Effects that only the simulator knows are considered by the diagnosis."""
 
 import pickle
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -38,9 +37,7 @@ CASES = {
     "report_delay": [50.0, 20.0, 0.0, 10.0],
 }
 MACHINE_ONLY = {"pretravel_lobing", "trigger_delay"}
-SLOW_S = 10.0
 LONG = pytest.mark.long
-"""Three times what the search for one effect may take, for slow machines."""
 
 
 def half_of(folder: Path, *switched_on: Effect) -> Scene:
@@ -85,11 +82,9 @@ def test_the_search_finds_parameters_from_the_table_alone(
     scene = half_of(MACHINE, effect)
     # Beside a datum that may be anywhere, other numbers of these effects do the same.
     scene = scene.with_nominal(replace(scene.nominal, datum=Datum(DatumFreedom.NONE)))
-    begun_s = time.process_time()
 
     found = fit(scene, [candidate], candidate.starts(scene, Change()))
 
-    assert time.process_time() - begun_s < SLOW_S
     named = admitted_values(effects()[effect_id], found.parameters[0])
     assert next(iter(named.values())) == pytest.approx(values[0], rel=tolerance)
 
