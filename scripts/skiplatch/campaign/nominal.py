@@ -239,6 +239,7 @@ class Nominal:
         believed_effects: What the chain is believed to do beside its sections.
         version: Of the format. In version 1 no pretravel is below 0.
         arrival_us: What stamps are moved back by that are arrivals of reports; see `with_arrivals`.
+        counts_coordinate: Positions are counts of the coordinate; see `with_lines`.
     """
 
     kind: Kind
@@ -255,6 +256,7 @@ class Nominal:
     believed_effects: tuple[BelievedEffect, ...] = ()
     version: int = 1
     arrival_us: float | None = None
+    counts_coordinate: bool = False
 
     def __post_init__(self) -> None:
         if self.datum is _OF_THE_KIND:

@@ -5,7 +5,7 @@ from functools import reduce
 
 import numpy as np
 
-from skiplatch.campaign import BelievedEffect, Campaign
+from skiplatch.campaign import BelievedEffect, Campaign, DatumFreedom
 from skiplatch.diagnosis.candidates.simulated import catalogue
 from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.density.law import Law
@@ -14,6 +14,7 @@ from skiplatch.diagnosis.fit.directions import with_directions
 from skiplatch.diagnosis.fit.unstated import with_unstated
 from skiplatch.diagnosis.likelihood.laws import law_of
 from skiplatch.diagnosis.scene.arrivals import with_arrivals
+from skiplatch.diagnosis.scene.lines import with_lines
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import effects
 
@@ -36,13 +37,24 @@ BELIEVED = BelievedEffects()
 
 def scene_of(campaign: Campaign) -> Scene:
     """Take a campaign's touches in order of time, with the effects believed in."""
-    campaign = with_arrivals(campaign)
+    campaign = _unclipped(with_lines(with_arrivals(campaign)))
     known = with_directions(campaign)
     return replace(
         Scene.of(with_unstated(known), BELIEVED),
         stood_in=known.stood_in,
         is_directed=known.nominal == campaign.nominal,
     )
+
+
+def _unclipped(campaign: Campaign) -> Campaign:
+    """Let a pretravel of 0 scatter to either side in format 1 too.
+
+    Nobody calibrated it: it is where an unknown surface is, so that no touch can be at its end.
+    """
+    nominal = campaign.nominal
+    if nominal.datum.free is DatumFreedom.NONE or nominal.probe.pretravel_um > 0.0:
+        return campaign
+    return replace(campaign, nominal=replace(nominal, version=2))
 
 
 def _change(scene: Scene, effect: BelievedEffect) -> Change:

@@ -15,6 +15,7 @@ import numpy as np
 import scipy
 
 from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.comparison.observables import Recorded
 from skiplatch.diagnosis.fit.material import Materiality
 from skiplatch.diagnosis.likelihood.likelihood import MISSED
 from skiplatch.diagnosis.plays.left import EVERYWHERE, Left, Memo
@@ -23,7 +24,7 @@ from skiplatch.diagnosis.plays.playing import Rig, has_like_grid
 from skiplatch.diagnosis.plays.setting import Setting
 from skiplatch.diagnosis.plays.telling import FEWEST, SMALLEST, told_which
 from skiplatch.diagnosis.scene.covariates import varying
-from skiplatch.diagnosis.scene.observed import observed
+from skiplatch.diagnosis.scene.observed import LINE, observed, within_lines_um
 from skiplatch.diagnosis.scene.pitches import is_on_grid, kept_pitch
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.side_by_side import side_by_side
@@ -38,8 +39,6 @@ MOST_TOUCHES = 1_500
 MOST_PLAYED = 4_000
 NOTICED = 3.5
 """Standard errors from which on something may be worth a search, which then decides."""
-LINE = 0.1
-"""Share of a coarse step within which values lie on the same line."""
 USUALLY_MISSED = 1e-3
 """Share of touches that any rig may miss."""
 
@@ -166,30 +165,25 @@ def noticed(looks: Sequence[Left], materiality: Materiality) -> frozenset[str]:
 def _dithered(
     scene: Scene, rig: Rig, outcomes: Outcomes, seed: int
 ) -> tuple[Mapping[str, FloatArray], Mapping[str, FloatArray]]:
-    """Take record and plays apart, all lengths spread evenly over what they are rounded to.
+    """Take record and plays apart, all spread evenly over what they are rounded to.
 
-    Plays lie on lines of the counter; those of a record need not, where its surfaces lie between
-    two of them. What lies close to a line or a tick that was found is on it.
+    What lies close to a tick that was found is on it.
     """
-    rng, chain = np.random.default_rng(seed), scene.nominal
-    line_um = LINE * rig.resolution_um * (rig.resolution_um > chain.axis.resolution_um)
-    steps = {
-        "position": line_um if scene.datum_names is None else rig.resolution_um,
-        **dict.fromkeys(("latch", "grid"), LINE * rig.tick_us * rig.has_coarse_tick),
-    }
-    # Beside a period that is off a belief by little, stamps over an hour lie anywhere.
-    both = rig.counted(scene.touches), outcomes
-    recorded, played = (observed(scene, seen, scan_us=rig.scan_us) for seen in both)
+    rng, tick_us = np.random.default_rng(seed), LINE * rig.tick_us * rig.has_coarse_tick
 
-    def spread(values: Mapping[str, FloatArray]) -> Mapping[str, FloatArray]:
-        dithered = {
-            name: values[name] + step * (rng.random(values[name].shape) - 0.5)
-            for name, step in steps.items()
-            if step > 0.0
+    def spread(seen: Recorded) -> Mapping[str, FloatArray]:
+        moved_um = within_lines_um(scene, rig.resolution_um, seen.deviation_um.shape, rng)
+        # Beside a period that is off a belief by little, stamps over an hour lie anywhere.
+        values = observed(scene, seen, scan_us=rig.scan_us, moved_um=moved_um)
+        if not tick_us:
+            return values
+        stamps = {
+            name: values[name] + tick_us * (rng.random(values[name].shape) - 0.5)
+            for name in ("latch", "grid")
         }
-        return {**values, **dithered}
+        return {**values, **stamps}
 
-    return spread(recorded), spread(played)
+    return spread(rig.counted(scene.touches)), spread(outcomes)
 
 
 def _without_rests(

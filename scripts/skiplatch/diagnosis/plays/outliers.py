@@ -17,7 +17,7 @@ from skiplatch.diagnosis.plays.size import far_off
 from skiplatch.diagnosis.plays.telling import FEWEST, told_which
 from skiplatch.diagnosis.plays.turns import happens_in_turn
 from skiplatch.diagnosis.scene.covariates import in_words, varying
-from skiplatch.diagnosis.scene.observed import UNITS, observed, step
+from skiplatch.diagnosis.scene.observed import UNITS, observed, step, within_lines_um
 from skiplatch.diagnosis.scene.scene import Scene
 
 PLAYS = 500
@@ -47,7 +47,15 @@ class Outliers:
 def outliers(scene: Scene, rig: Rig, materiality: Materiality = DEFAULT, *, seed: int) -> Outliers:
     """Find them. Where more than half of all touches are, it is the rig that is off: then none."""
     outcomes = rig.play(scene.touches, seed=seed, replicates=PLAYS)
-    recorded, played = observed(scene, scene.touches), observed(scene, outcomes)
+    rng = np.random.default_rng(seed)
+    recorded, played = (
+        observed(
+            scene,
+            seen,
+            moved_um=within_lines_um(scene, rig.resolution_um, seen.deviation_um.shape, rng),
+        )
+        for seen in (scene.touches, outcomes)
+    )
     far, beyond, names = np.zeros(len(scene), bool), np.zeros(len(scene), bool), []
     for name in sorted(OUTLYING & recorded.keys()):
         off = np.zeros(len(scene))

@@ -17,6 +17,7 @@ from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um
 from skiplatch.diagnosis.plays.scans import Begins, Player, Scans
 from skiplatch.diagnosis.scene.arrivals import as_stamped
 from skiplatch.diagnosis.scene.grid import WRITTEN_US, keep_grid, mean_turn
+from skiplatch.diagnosis.scene.lines import above_line_um
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes, play, spliced
@@ -222,7 +223,9 @@ class Rig:
     ) -> Outcomes:
         """Play touches so often on a controller that begins as told; see `play`."""
         surface_um, coordinate_um = self.datum.sizes_um(self.nominal, touches)
-        met = met_at(touches, surface_um)
+        met, line_um = met_at(touches, surface_um), np.zeros(len(touches))
+        if all(effect.id != ENCODER for effect in self.effects):  # which has lines of its own
+            line_um = above_line_um(self.nominal, touches)
         controller = replace(
             Controller.for_campaign(self.nominal, met),
             scan_phase_us=begins.scan_phase_us,
@@ -236,10 +239,11 @@ class Rig:
             seed=seed,
             replicates=replicates,
             jobs=jobs,
-            datum_um=surface_um + coordinate_um,
+            datum_um=surface_um + coordinate_um + line_um,
             switched_on=self.effects,
         )
-        return as_stamped(self.nominal, outcomes)
+        from_surface = replace(outcomes, deviation_um=outcomes.deviation_um - line_um)
+        return as_stamped(self.nominal, from_surface)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -263,6 +267,11 @@ class Folds:
     def scan_us(self) -> float:
         """Period of their scans."""
         return self.rigs[0].scan_us
+
+    @property
+    def resolution_um(self) -> float:
+        """What they round positions to."""
+        return self.rigs[0].resolution_um
 
     @property
     def keeps_scan_grid(self) -> bool:

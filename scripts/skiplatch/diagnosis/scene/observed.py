@@ -9,6 +9,8 @@ from skiplatch.comparison.observables import Recorded
 from skiplatch.diagnosis.scene.grid import off_grid
 from skiplatch.diagnosis.scene.scene import Scene, rounding_step
 
+LINE = 0.1
+"""Share of a coarse step within which values lie on the same line."""
 UNITS: Mapping[str, str] = {
     "edge": "µs",
     "latch": "µs",
@@ -19,7 +21,11 @@ UNITS: Mapping[str, str] = {
 
 
 def observed(
-    scene: Scene, recorded: Recorded, *, scan_us: float | None = None
+    scene: Scene,
+    recorded: Recorded,
+    *,
+    scan_us: float | None = None,
+    moved_um: FloatArray | float = 0.0,
 ) -> Mapping[str, FloatArray]:
     """Take outcomes apart, as far as was recorded; each of shape (…, n), NaN where it was not.
 
@@ -31,21 +37,37 @@ def observed(
         scene: The touches.
         recorded: Their outcomes, recorded or played.
         scan_us: Period of that grid, if it is not the believed one.
+        moved_um: Added to positions, shape (…, n); see ``within_lines_um``.
     """
     edges = scene.touches.edge_us
     contact_us = scene.contact.time_us + recorded.start_delay_us
     begin = np.where(np.isnan(edges), contact_us, recorded.edge_us)
     later = recorded.latch_us - begin
-    beyond = recorded.deviation_um - scene.speed * later
+    deviation_um = recorded.deviation_um + moved_um
+    beyond = deviation_um - scene.speed * later
     on_grid = np.where(scene.plc & scene.has_stamps, recorded.latch_us, np.nan)
-    arrived = later - recorded.deviation_um / scene.speed
+    arrived = later - deviation_um / scene.speed
     return {
         "edge": recorded.edge_us - contact_us,
         "latch": np.where(scene.has_stamps, later, np.nan),
         "grid": off_grid(on_grid, scan_us or scene.nominal.plc.scan_us),
-        "position": np.where(scene.has_stamps, beyond, recorded.deviation_um),
+        "position": np.where(scene.has_stamps, beyond, deviation_um),
         "report": np.where(scene.has_arrivals, arrived, recorded.report_us - recorded.latch_us),
     }
+
+
+def within_lines_um(
+    scene: Scene, resolution_um: float, shape: tuple[int, ...], rng: np.random.Generator
+) -> FloatArray:
+    """Draw by what to move positions of a shape, to spread them evenly between lines of a counter.
+
+    Plays lie on such lines, and stand still where nothing else scatters; those of a record need
+    not lie on the same, where its surfaces lie between two. What lies close to a line that was
+    found is on it.
+    """
+    found = LINE * (resolution_um > scene.nominal.axis.resolution_um)
+    share = found if scene.datum_names is None else 1.0
+    return np.asarray(share * resolution_um * (rng.random(shape) - 0.5))
 
 
 def before_wait(

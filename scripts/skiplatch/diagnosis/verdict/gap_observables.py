@@ -9,14 +9,14 @@ from skiplatch.arrays import FloatArray
 from skiplatch.comparison.observables import OBSERVABLES, Observable, Recorded
 from skiplatch.diagnosis.plays.playing import Folds, Rig, has_like_grid
 from skiplatch.diagnosis.scene.grid import off_grid
-from skiplatch.diagnosis.scene.observed import observed
+from skiplatch.diagnosis.scene.observed import observed, within_lines_um
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.motion import Contact
 
 NS = 3  # decimals of a µs
 
 
-def observables(scene: Scene, after: Rig | Folds) -> Iterator[Observable]:
+def observables(scene: Scene, after: Rig | Folds, seed: int) -> Iterator[Observable]:
     """Give those of every comparison, that of the way to the contact, and two of stamps.
 
     An edge that was recorded tells when the contact was, whatever came after it. A scan that is
@@ -25,7 +25,7 @@ def observables(scene: Scene, after: Rig | Folds) -> Iterator[Observable]:
     until its own stamp.
     """
     if scene.has_arrivals.any():
-        yield from _of_arrivals(scene)
+        yield from _of_arrivals(scene, after, np.random.default_rng(seed))
         return
     yield from OBSERVABLES
 
@@ -51,11 +51,15 @@ def observables(scene: Scene, after: Rig | Folds) -> Iterator[Observable]:
         yield Observable("latch_off_scan_grid_us", "latch − grid of scans", "µs", late)
 
 
-def _of_arrivals(scene: Scene) -> Iterator[Observable]:
+def _of_arrivals(
+    scene: Scene, after: Rig | Folds, rng: np.random.Generator
+) -> Iterator[Observable]:
     """Give those of positions, and how late arrivals are for the latch that these tell."""
 
     def arrived(recorded: Recorded, _: Contact) -> FloatArray:
-        return observed(scene, recorded)["report"]
+        shape = recorded.deviation_um.shape
+        moved_um = within_lines_um(scene, after.resolution_um, shape, rng)
+        return observed(scene, recorded, moved_um=moved_um)["report"]
 
     for one in OBSERVABLES:
         if one.name == "report_after_latch_us":

@@ -43,7 +43,7 @@ def could_hide(scene: Scene, rig: Rig, *, seed: int) -> Mapping[str, Hidden]:
     outcomes = rig.play(scene.touches, seed=seed, replicates=PLAYS)
     setting = Setting(scene, seed)
     found = {}
-    for observable in observables(scene, rig):
+    for observable in observables(scene, rig, seed):
         recorded = observable.values(scene.touches, scene.contact)
         played = observable.values(outcomes, scene.contact)
         known = ~np.isnan(recorded) & ~np.isnan(played).all(axis=0)

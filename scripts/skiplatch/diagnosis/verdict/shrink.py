@@ -110,7 +110,7 @@ class PlayedRigs:
     def gaps(self, scored: BoolArray) -> Mapping[str, Gap]:
         """Measure every observable that was recorded, on some touches, shape (n,); by name."""
         found = {}
-        for observable in observables(self.scene, self.after):
+        for observable in observables(self.scene, self.after, self.seed):
             cells = list(self._cells(scored, observable))
             if cells:
                 least = _least(self.scene, observable)
