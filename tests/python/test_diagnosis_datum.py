@@ -132,6 +132,19 @@ def test_one_datum_of_the_campaign_takes_up_no_difference_of_its_axes() -> None:
     assert nats(moved(quiet(), by_axis)) == pytest.approx(nats(quiet()), abs=1.0)
 
 
+def test_an_angle_shares_no_datum_with_a_length() -> None:
+    one = free(quiet(), DatumFreedom.CAMPAIGN)
+    axis = np.where(one.touches.axis == Axis.Z, np.int8(Axis.C), one.touches.axis)
+    mixed = replace(one, touches=replace(one.touches, axis=axis))
+
+    found = fitted(moved(mixed, np.where(axis == Axis.C, 4.0, -7.0)))
+
+    assert found == {
+        "campaign": pytest.approx(-7.0, abs=0.15),
+        "campaign rotary": pytest.approx(4.0, abs=0.15),
+    }
+
+
 def test_a_datum_of_each_sense_takes_up_backlash_and_one_of_each_axis_does_not() -> None:
     by_sense = free(quiet(), DatumFreedom.AXIS_SENSE)
     backlash_um = 1.0 * quiet().touches.sign

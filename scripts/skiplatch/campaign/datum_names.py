@@ -21,7 +21,7 @@ def datum_names(nominal: Nominal, touches: Touches) -> NDArray[np.str_] | None:
         return None
     axes = np.array([*(axis.name for axis in Axis), "axis"])[touches.axis]
     parts = {
-        DatumFreedom.CAMPAIGN: [np.full(len(touches), "campaign")],
+        DatumFreedom.CAMPAIGN: [np.where(touches.turns, "campaign rotary", "campaign")],
         DatumFreedom.AXIS: [axes],
         DatumFreedom.AXIS_SENSE: [axes, np.where(touches.sign < 0.0, "-", "+")],
         DatumFreedom.SESSION: [axes],
