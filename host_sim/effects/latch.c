@@ -11,7 +11,8 @@
 #define ROUNDING      1.0e-3 /* nominal ticks */
 
 /* An edge that falls into a masked stretch waits for the rest of it; of stretches whose lengths
- * differ the rest has a tail. */
+ * differ the rest has a tail. One that the edge itself starts, as another interrupt of it, is
+ * waited for from its begin. */
 double effect_isr_blocking(const sim_effect_call_t *call, double latency_us)
 {
     if (sim_random_uniform(call->random, 1.0) >= call->parameters[0]) {
@@ -19,7 +20,7 @@ double effect_isr_blocking(const sim_effect_call_t *call, double latency_us)
     }
     double rest_us = sim_random_uniform(call->random, call->parameters[1]);
     double tail_us = sim_random_exponential(call->random, call->parameters[2]);
-    return latency_us + rest_us + tail_us;
+    return latency_us + call->parameters[3] + rest_us + tail_us;
 }
 
 /* This and the chain round down: a stamp on a tick must not fall short of it by its last bits. */

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from played_campaigns import BENCH, MACHINE, played
-from skiplatch.campaign import Datum, DatumFreedom
+from skiplatch.campaign import Datum, DatumFreedom, InputPath
 from skiplatch.diagnosis.candidates.played_changes import _shift
 from skiplatch.diagnosis.candidates.simulated import admitted_values, catalogue, simulated
 from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.fit.fit import fit
+from skiplatch.diagnosis.fit.forms import polish
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect, effects
@@ -27,7 +28,7 @@ CASES = {
     "contact_bounce": [0.2, 300.0, 0.0, 0.0],
     "lost_trigger": [0.05],
     "isr_latency": [20.0, 5.0, 0.0],
-    "isr_blocking": [0.2, 200.0, 0.0],
+    "isr_blocking": [0.2, 200.0, 0.0, 50.0],
     "input_image_delay": [1.0],
     "scan_jitter": [100.0, 50.0, 0.0],
     "following_error": [200.0, 0.0, 0.0, 20.0],
@@ -167,3 +168,18 @@ def test_parameters_out_of_range_are_brought_into_it() -> None:
     assert (low["amplitude_um"], low["azimuth_deg"], low["second_um"]) == (3.0, 10.0, -50.0)
     assert (high["amplitude_um"], high["azimuth_deg"]) == (50.0, 110.0)
     assert high["elevation_power"] == 4.0
+
+
+def test_a_stretch_that_each_edge_starts_is_told_from_no_bounce() -> None:
+    """On the skip path alone both come late now and then, by the same law."""
+    campaign = played(BENCH, Effect("isr_blocking", {"probability": 0.25, "least_us": 150.0}))
+    on_skip = campaign.touches.select(campaign.touches.path == InputPath.SKIP)
+    scene = Scene.of(replace(campaign, touches=on_skip))
+
+    gains = {}
+    for name in ("isr_blocking", "contact_bounce"):
+        found = fit(scene, [CANDIDATES[name]], CANDIDATES[name].starts(scene, Change()))
+        gains[name] = gain(scene, polish(scene, found).change(scene))
+
+    assert gains["isr_blocking"] > 100.0
+    assert gains["isr_blocking"] == pytest.approx(gains["contact_bounce"], abs=3.0)

@@ -70,6 +70,14 @@ def test_isr_blocking_by_stretches_of_other_lengths_has_a_tail() -> None:
     assert_follows(played.latch_shift_us[blocked], stats.expon(0.05, 120.0))
 
 
+def test_isr_blocking_by_what_the_same_edge_starts_is_waited_for_from_its_begin() -> None:
+    played = trace(SKIP, "isr_blocking", n=10_000, probability=0.3, length_us=20.0, least_us=120.0)
+    blocked = played.latch_shift_us != 0.0
+
+    assert_share(blocked, 0.3)
+    assert_follows(played.latch_shift_us[blocked], stats.uniform(120.0, 20.0))
+
+
 @pytest.mark.parametrize("tick_us", [8.0, 0.3, 0.07])
 def test_timer_quantisation_rounds_stamps_down_and_latches_the_position_of_the_tick(
     tick_us: float,

@@ -132,8 +132,9 @@ def bounce(_scene: Scene, p: Parameters) -> Change:
 
 
 def blocking(_scene: Scene, p: Parameters) -> Change:
-    """Some interrupts wait for the rest of a masked stretch."""
-    return Change(skip_extra=(Extra(as_part(p[0]), width=abs(p[1]), mean=abs(p[2])),))
+    """Some interrupts wait for the rest of a masked stretch, and a least time before it."""
+    late = Extra(as_part(p[0]), width=abs(p[1]), mean=abs(p[2]), offset=abs(p[3]))
+    return Change(skip_extra=(late,))
 
 
 def transmission(scene: Scene, p: Parameters) -> Change:

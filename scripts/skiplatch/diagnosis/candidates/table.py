@@ -129,9 +129,9 @@ CANDIDATES: Mapping[str, Candidate] = {
             "isr_blocking",
             surrogates.blocking,
             starts.now_and_then(
-                [[0.2, us, 0.0] for us in (20.0, 200.0, 2000.0)], as_late=[[2.0, 0.0]]
+                [[0.2, us, 0.0, 0.0] for us in (20.0, 200.0, 2000.0)], as_late=[[2.0, 0.0, 0.0]]
             ),
-            refinements=({2: 10.0}, {2: 100.0}, {2: 1000.0}),
+            refinements=tuple({i: size} for size in (10.0, 100.0, 1000.0) for i in (2, 3)),
         ),
         Candidate(
             "timer_quantisation",
