@@ -22,11 +22,10 @@ def with_lines(campaign: Campaign) -> Campaign:
     """Take positions as counts of the coordinate, if all of these lie on lines and they do not."""
     nominal, touches = campaign.nominal, campaign.touches
     step_um = nominal.axis.resolution_um
-    beyond_um = touches.deviation_um[~np.isnan(touches.deviation_um + touches.position_mm)]
     known = touches.select(~np.isnan(touches.deviation_um + touches.position_mm))
-    counted_um = beyond_um + _of_surfaces_um(known)
-    if not len(known) or is_on_grid(beyond_um, step_um, WRITTEN * step_um):
+    if not len(known) or is_on_grid(known.deviation_um, step_um, WRITTEN * step_um):
         return campaign
+    counted_um = known.deviation_um + _of_surfaces_um(known)
     is_counted = is_on_grid(counted_um, step_um, WRITTEN * step_um)
     return replace(campaign, nominal=replace(nominal, counts_coordinate=is_counted))
 
