@@ -1,104 +1,117 @@
-"""A coarse counter counts the coordinate of an axis, wherever its surfaces lie."""
+"""Values on coarse lines are held against plays by the line, and no closer."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from played_campaigns import MACHINE
-from skiplatch.campaign import Campaign, InputPath, read_campaign
-from skiplatch.diagnosis import diagnose
-from skiplatch.diagnosis.fit.believed import scene_of
-from skiplatch.diagnosis.plays.playing import FittedDatum, Rig
-from skiplatch.diagnosis.scene.lines import above_line_um, with_lines
-from skiplatch.diagnosis.verdict.verdict import Verdict
-from skiplatch.simulator.playing import play
-from skiplatch.simulator.rig import Controller
-
-STEP_UM = 5.0
-FAR_UM = 29.6
-
-
-def slow(campaign: Campaign, seed: int = 3) -> Campaign:
-    """Give touches of the skip path at feeds at which a step of the counter takes milliseconds."""
-    rng = np.random.default_rng(seed)
-    touches = campaign.touches.select(campaign.touches.path == InputPath.SKIP)
-    n, surfaces_mm = len(touches), np.round(rng.uniform(-80.0, 0.0, 40), 3)
-    conditions = {
-        "time_s": 30.0 * np.arange(n),
-        "feed_mm_min": rng.choice([25.0, 50.0, 100.0], n),
-        "position_mm": rng.choice(surfaces_mm, n),
-    }
-    return replace(campaign, touches=replace(touches, **conditions))
+from played_campaigns import BENCH, MACHINE, played, played_again
+from skiplatch.campaign import Campaign, Status, read_campaign
+from skiplatch.campaign.datum import Datum, DatumFreedom
+from skiplatch.diagnosis.candidates.candidate import Candidate
+from skiplatch.diagnosis.candidates.grid_starts import ticks
+from skiplatch.diagnosis.candidates.table import CANDIDATES
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.as_effects import as_effects
+from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.fit.material import DEFAULT
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.likelihood.physics import line_bonus
+from skiplatch.diagnosis.plays.left import Left
+from skiplatch.diagnosis.plays.leftover import Beside, left_over
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.simulator.effects import Effect
 
 
-def counted(campaign: Campaign, *, seed: int = 3) -> Campaign:
-    """Play a campaign with a fine counter, and round the coordinates that it latches.
+def mattering(campaign: Campaign, *effects: Effect) -> list[Left]:
+    rig = Rig(campaign.nominal, effects).whose_scans_are(campaign.touches, seed=1)
+    found = left_over(Beside.of(Scene.of(campaign), rig, seed=1))
+    return [one for one in found if one.is_significant and one.is_material(DEFAULT)]
 
-    Surfaces lie anywhere, and all of them farther than believed.
-    """
-    touches = campaign.touches
-    fine = replace(campaign.nominal, axis=replace(campaign.nominal.axis, resolution_um=0.001))
-    farther = replace(touches, approach_mm=touches.approach_mm + FAR_UM / 1000.0)
-    controller = Controller.for_campaign(fine, farther)
-    outcomes = play(fine, controller, farther, seed=seed, datum_um=np.full(len(touches), FAR_UM))
-    surface_um = touches.sign * touches.position_mm * 1000.0
-    coordinate_um = surface_um + outcomes.deviation_um[0]
-    deviation_um = np.rint(coordinate_um / STEP_UM) * STEP_UM - surface_um
-    coarse = replace(fine, axis=replace(fine.axis, resolution_um=STEP_UM))
-    record = replace(
-        touches,
-        deviation_um=np.round(deviation_um, 3),
-        report_us=np.round(outcomes.report_us[0], 3),
-        latch_us=np.full(len(touches), np.nan),
+
+def test_ticks_are_stamped_as_they_are_though_plays_count_in_believed_ones() -> None:
+    tick_us = 7.654_3
+    coarse = Effect("timer_quantisation", {"tick_us": tick_us})
+    campaign = played(BENCH, coarse)
+    stamps = np.rint(campaign.touches.latch_us / tick_us) * tick_us
+    as_stamped = replace(campaign, touches=replace(campaign.touches, latch_us=stamps))
+
+    assert np.nanmax(np.abs(stamps - campaign.touches.latch_us)) > 0.0
+    assert mattering(as_stamped, coarse) == []
+    assert mattering(as_stamped) != []
+
+
+@pytest.mark.parametrize("tick_us", [25.3, 299.57, 383.6, 640.1, 999.0])
+def test_plays_begin_their_scans_where_coarse_ticks_tell(tick_us: float) -> None:
+    """A µs beside that, some stamps fall to the next tick, and positions into another bin."""
+    coarse = Effect("timer_quantisation", {"tick_us": tick_us})
+
+    assert mattering(played(BENCH, coarse), coarse) == []
+
+
+def test_stamps_on_no_believed_tick_tell_lines_that_are_not_far_apart() -> None:
+    """What is written closer than the believed clock counts was never counted by it."""
+    tick_us, believed_us = 48.269_2, 10.0
+    campaign = played(BENCH, Effect("timer_quantisation", {"tick_us": tick_us}))
+    stamps = np.rint(campaign.touches.latch_us / tick_us) * tick_us
+    skip = replace(campaign.nominal.skip, tick_us=believed_us)
+    touches = replace(campaign.touches, latch_us=np.round(stamps, 3))
+    scene = Scene(replace(campaign.nominal, skip=skip), touches)
+    coarse = CANDIDATES["timer_quantisation"]
+
+    pitch, origin, nearest = max(ticks(scene, Change()), key=lambda p: score(scene, coarse, p))
+
+    assert scene.stamp_step_us < 0.01 < Scene.of(campaign).stamp_step_us
+    assert pitch == pytest.approx(tick_us, abs=1e-6)
+    assert origin == pytest.approx(0.0, abs=0.01)
+    assert nearest == 0.0
+
+
+def score(scene: Scene, candidate: Candidate, parameters: Sequence[float]) -> float:
+    change = candidate.change(scene, np.array(parameters))
+    return float(sum(nats.sum() for nats in likelihood(scene, change).streams.values()))
+
+
+def test_lines_of_a_counter_are_written_to_some_digits_where_surfaces_are_known() -> None:
+    coarse = Effect("encoder_quantisation", {"resolution_um": 5.453_74, "is_coordinate": 1.0})
+    campaign = played(MACHINE, coarse)
+    nominal = replace(campaign.nominal, datum=Datum(DatumFreedom.NONE))
+    written = np.round(campaign.touches.deviation_um, 3)
+    known = replace(
+        campaign, nominal=nominal, touches=replace(campaign.touches, deviation_um=written)
     )
-    return replace(campaign, nominal=coarse, touches=record)
+
+    assert mattering(known, coarse) == []
+    assert mattering(known) != []
 
 
-def test_coordinates_on_lines_are_seen_to_be_counted() -> None:
-    campaign = counted(slow(read_campaign(MACHINE)))
-
-    found = with_lines(campaign)
-
-    assert found.nominal.counts_coordinate
-    nowhere = replace(campaign.touches, position_mm=np.full(len(campaign.touches), np.nan))
-    assert not with_lines(replace(campaign, touches=nowhere)).nominal.counts_coordinate
-
-
-def test_distances_on_lines_are_distances() -> None:
-    """So is all that a fine counter tells, where surfaces lie on lines too."""
-    assert not with_lines(read_campaign(MACHINE)).nominal.counts_coordinate
-
-
-def test_plays_lie_on_the_lines_of_the_record() -> None:
-    campaign = with_lines(counted(slow(read_campaign(MACHINE))))
+def test_a_latch_without_a_contact_says_nothing_of_the_scans() -> None:
+    campaign = played(BENCH)
     touches = campaign.touches
-    axes = dict.fromkeys(("X", "Y", "Z"), FAR_UM)
+    some = np.flatnonzero(touches.on_plc)[:3]
+    stamps, status = touches.latch_us.copy(), touches.status.copy()
+    stamps[some] -= 700.0
+    off = replace(campaign, touches=replace(touches, latch_us=stamps))
+    status[some] = Status.FALSE
+    false = replace(campaign, touches=replace(touches, latch_us=stamps, status=status))
 
-    plays = Rig(campaign.nominal, (), FittedDatum(axes)).play(touches, seed=5, replicates=20)
-
-    coordinate_um = plays.deviation_um + above_line_um(campaign.nominal, touches)
-    off_um = coordinate_um - np.rint(coordinate_um / STEP_UM) * STEP_UM
-    assert np.nanmax(np.abs(off_um)) < 1e-6
-    alike = np.nanmean(np.abs(plays.deviation_um - touches.deviation_um) < 0.01)
-    assert alike > 0.7
-
-
-def test_arrivals_beside_a_coarse_counter_are_no_gap() -> None:
-    """A step takes up to 12 ms, and a report half of one: what hides there is said to."""
-    found = diagnose(counted(slow(read_campaign(MACHINE))), seed=1)
-
-    assert found.verdict is Verdict.NO_GAP
-    step_us = STEP_UM / (100.0 / 60.0) * 1000.0
-    assert found.gap["report_after_latch_us"].could_hide > 0.1 * step_us
+    assert "grid" in {one.observable for one in mattering(off)}
+    assert mattering(false) == []
 
 
-@pytest.mark.parametrize(("pretravel_um", "least_um"), [(6.0, 0.0), (0.0, -np.inf)])
-def test_pretravel_ends_at_0_in_format_1_where_somebody_calibrated_it(
-    pretravel_um: float, least_um: float
-) -> None:
-    campaign = read_campaign(MACHINE)
-    probe = replace(campaign.nominal.probe, pretravel_um=pretravel_um)
-    nominal = replace(campaign.nominal, probe=probe)
+@pytest.mark.parametrize("origin_us", [0.0, -1.04e-4])
+def test_plays_of_a_clock_lie_on_the_lines_that_were_found(origin_us: float) -> None:
+    """A hair short of a believed tick they are stamped down to the one before."""
+    coarse = CANDIDATES["timer_quantisation"]
+    parameters = np.array([188.710_000_000_25, origin_us, 0.0])
+    clock = Fit((coarse,), (parameters,), frozenset({"latch_skip"}))
+    recorded = read_campaign(BENCH)
+    fine = replace(recorded.nominal, skip=replace(recorded.nominal.skip, tick_us=0.01))
 
-    assert scene_of(replace(campaign, nominal=nominal)).least_pretravel_um == least_um
+    scene = Scene.of(played_again(replace(recorded, nominal=fine), *as_effects(clock)))
+    stream = scene.streams["latch_skip"]
+
+    bonus = line_bonus(scene, stream, coarse.change(scene, parameters))[stream.indices]
+    assert bonus.min() == bonus.max() > 0.0
