@@ -4,6 +4,7 @@ A campaign is a folder with ``nominal.toml`` (what the engineer believes of the 
 ``touches.csv`` (one row a touch).
 """
 
+from skiplatch.campaign.believed_effect import BelievedEffect
 from skiplatch.campaign.column_kinds import NOT_RECORDED
 from skiplatch.campaign.columns import (
     COLUMNS,
@@ -28,7 +29,6 @@ from skiplatch.campaign.nominal import (
     KEYS,
     SECTIONS,
     AxisNominal,
-    BelievedEffect,
     BenchNominal,
     InputNominal,
     Nominal,

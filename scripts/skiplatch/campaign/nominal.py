@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, fields, replace
 from math import inf
 from typing import Any
 
+from skiplatch.campaign.believed_effect import BelievedEffect
 from skiplatch.campaign.constraints import (
     ANGLE,
     LENGTH_UM,
@@ -207,21 +208,6 @@ class BenchNominal:
         "noise of edge_us, 1 sigma",
         "noise of the reference from jitter of the latch",
     )
-
-
-@dataclass(frozen=True, slots=True)
-class BelievedEffect:
-    """An effect that the rig is believed to have; the nominal chain plays it.
-
-    Attributes:
-        id: Its name in the table of effects.
-        values: Its parameters by name, in their units.
-        uncertainty: Standard uncertainties of those of them that have one.
-    """
-
-    id: str
-    values: Mapping[str, float] = field(hash=False)
-    uncertainty: Mapping[str, float] = field(default_factory=dict, hash=False)
 
 
 _OF_THE_KIND = Datum.of_kind(Kind.BENCH)  # this very object stands for what the kind says

@@ -5,8 +5,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from skiplatch.campaign.believed_effect import BelievedEffect
 from skiplatch.campaign.datum import Datum
-from skiplatch.campaign.nominal import FORMATS, KEYS, BelievedEffect, Key, Nominal
+from skiplatch.campaign.nominal import FORMATS, KEYS, Key, Nominal
 from skiplatch.files import atomic_write_text
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from skiplatch.campaign.believed_effect import BelievedEffect
 from skiplatch.campaign.constraints import SIZE_UM, Range
 from skiplatch.campaign.datum import Datum, DatumFreedom
 from skiplatch.campaign.kind import Kind
@@ -13,7 +14,6 @@ from skiplatch.campaign.nominal import (
     FORMATS,
     KEYS,
     SECTIONS,
-    BelievedEffect,
     Key,
     Nominal,
 )
