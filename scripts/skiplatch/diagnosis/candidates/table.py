@@ -46,6 +46,8 @@ copyreg.pickle(Candidate, _as_id_and_span)  # functions do not travel to another
 
 WARMED = ((1.0, 0.0, 0.0), (1.0, 0.0, 1.0), (0.0, 1.0, 0.0))
 """Whether the axis drifts or its scale grows, and whether that is along the approach."""
+FURTHER_LATE = tuple({i: size} for size in (10.0, 100.0, 1000.0) for i in (2, 3))
+"""Forms of what comes late now and then, by its third parameter or its fourth."""
 _DELAYS = starts.later(*([sign * us, 0.0, 0.0] for us in (10.0, 300.0) for sign in (1.0, -1.0)))
 
 CANDIDATES: Mapping[str, Candidate] = {
@@ -111,7 +113,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             starts.now_and_then(
                 [[0.2, us, 0.0, 0.0] for us in (30.0, 300.0, 3000.0)], as_late=[[1.4, 0.0, 0.0]]
             ),
-            refinements=tuple({i: size} for size in (10.0, 100.0, 1000.0) for i in (2, 3)),
+            refinements=FURTHER_LATE,
         ),
         Candidate(
             "lost_trigger",
@@ -131,7 +133,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             starts.now_and_then(
                 [[0.2, us, 0.0, 0.0] for us in (20.0, 200.0, 2000.0)], as_late=[[2.0, 0.0, 0.0]]
             ),
-            refinements=tuple({i: size} for size in (10.0, 100.0, 1000.0) for i in (2, 3)),
+            refinements=FURTHER_LATE,
         ),
         Candidate(
             "timer_quantisation",

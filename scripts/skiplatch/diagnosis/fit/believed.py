@@ -6,6 +6,7 @@ from functools import reduce
 import numpy as np
 
 from skiplatch.campaign import BelievedEffect, Campaign, DatumFreedom
+from skiplatch.campaign.nominal import in_version
 from skiplatch.diagnosis.candidates.simulated import catalogue
 from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.density.law import Law
@@ -54,7 +55,7 @@ def _unclipped(campaign: Campaign) -> Campaign:
     nominal = campaign.nominal
     if nominal.datum.free is DatumFreedom.NONE or nominal.probe.pretravel_um > 0.0:
         return campaign
-    return replace(campaign, nominal=replace(nominal, version=2))
+    return replace(campaign, nominal=in_version(nominal, 2))
 
 
 def _change(scene: Scene, effect: BelievedEffect) -> Change:

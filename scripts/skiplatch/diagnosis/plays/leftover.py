@@ -24,7 +24,7 @@ from skiplatch.diagnosis.plays.playing import Rig, has_like_grid
 from skiplatch.diagnosis.plays.setting import Setting
 from skiplatch.diagnosis.plays.telling import FEWEST, SMALLEST, told_which
 from skiplatch.diagnosis.scene.covariates import varying
-from skiplatch.diagnosis.scene.observed import LINE, observed, within_lines_um
+from skiplatch.diagnosis.scene.observed import LINE, observed_evenly
 from skiplatch.diagnosis.scene.pitches import is_on_grid, kept_pitch
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.side_by_side import side_by_side
@@ -172,9 +172,8 @@ def _dithered(
     rng, tick_us = np.random.default_rng(seed), LINE * rig.tick_us * rig.has_coarse_tick
 
     def spread(seen: Recorded) -> Mapping[str, FloatArray]:
-        moved_um = within_lines_um(scene, rig.resolution_um, seen.deviation_um.shape, rng)
         # Beside a period that is off a belief by little, stamps over an hour lie anywhere.
-        values = observed(scene, seen, scan_us=rig.scan_us, moved_um=moved_um)
+        values = observed_evenly(scene, seen, rig.resolution_um, rng, scan_us=rig.scan_us)
         if not tick_us:
             return values
         stamps = {

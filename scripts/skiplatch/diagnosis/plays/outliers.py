@@ -17,7 +17,7 @@ from skiplatch.diagnosis.plays.size import far_off
 from skiplatch.diagnosis.plays.telling import FEWEST, told_which
 from skiplatch.diagnosis.plays.turns import happens_in_turn
 from skiplatch.diagnosis.scene.covariates import in_words, varying
-from skiplatch.diagnosis.scene.observed import UNITS, observed, step, within_lines_um
+from skiplatch.diagnosis.scene.observed import UNITS, observed_evenly, step
 from skiplatch.diagnosis.scene.scene import Scene
 
 PLAYS = 500
@@ -49,12 +49,7 @@ def outliers(scene: Scene, rig: Rig, materiality: Materiality = DEFAULT, *, seed
     outcomes = rig.play(scene.touches, seed=seed, replicates=PLAYS)
     rng = np.random.default_rng(seed)
     recorded, played = (
-        observed(
-            scene,
-            seen,
-            moved_um=within_lines_um(scene, rig.resolution_um, seen.deviation_um.shape, rng),
-        )
-        for seen in (scene.touches, outcomes)
+        observed_evenly(scene, seen, rig.resolution_um, rng) for seen in (scene.touches, outcomes)
     )
     far, beyond, names = np.zeros(len(scene), bool), np.zeros(len(scene), bool), []
     for name in sorted(OUTLYING & recorded.keys()):

@@ -37,7 +37,7 @@ def observed(
         scene: The touches.
         recorded: Their outcomes, recorded or played.
         scan_us: Period of that grid, if it is not the believed one.
-        moved_um: Added to positions, shape (…, n); see ``within_lines_um``.
+        moved_um: Added to positions, shape (…, n).
     """
     edges = scene.touches.edge_us
     contact_us = scene.contact.time_us + recorded.start_delay_us
@@ -56,18 +56,31 @@ def observed(
     }
 
 
-def within_lines_um(
-    scene: Scene, resolution_um: float, shape: tuple[int, ...], rng: np.random.Generator
-) -> FloatArray:
-    """Draw by what to move positions of a shape, to spread them evenly between lines of a counter.
+def observed_evenly(
+    scene: Scene,
+    recorded: Recorded,
+    resolution_um: float,
+    rng: np.random.Generator,
+    *,
+    scan_us: float | None = None,
+) -> Mapping[str, FloatArray]:
+    """Do the same with positions that are spread evenly between lines of a counter.
 
     Plays lie on such lines, and stand still where nothing else scatters; those of a record need
     not lie on the same, where its surfaces lie between two. What lies close to a line that was
     found is on it.
+
+    Args:
+        scene: The touches.
+        recorded: Their outcomes, recorded or played.
+        resolution_um: From one line to the next.
+        rng: Spreads them.
+        scan_us: As above.
     """
     found = LINE * (resolution_um > scene.nominal.axis.resolution_um)
     share = found if scene.datum_names is None else 1.0
-    return np.asarray(share * resolution_um * (rng.random(shape) - 0.5))
+    moved_um = share * resolution_um * (rng.random(recorded.deviation_um.shape) - 0.5)
+    return observed(scene, recorded, scan_us=scan_us, moved_um=moved_um)
 
 
 def before_wait(

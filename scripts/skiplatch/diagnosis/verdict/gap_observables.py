@@ -9,7 +9,7 @@ from skiplatch.arrays import FloatArray
 from skiplatch.comparison.observables import OBSERVABLES, Observable, Recorded
 from skiplatch.diagnosis.plays.playing import Folds, Rig, has_like_grid
 from skiplatch.diagnosis.scene.grid import off_grid
-from skiplatch.diagnosis.scene.observed import observed, within_lines_um
+from skiplatch.diagnosis.scene.observed import observed, observed_evenly
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.motion import Contact
 
@@ -57,9 +57,7 @@ def _of_arrivals(
     """Give those of positions, and how late arrivals are for the latch that these tell."""
 
     def arrived(recorded: Recorded, _: Contact) -> FloatArray:
-        shape = recorded.deviation_um.shape
-        moved_um = within_lines_um(scene, after.resolution_um, shape, rng)
-        return observed(scene, recorded, moved_um=moved_um)["report"]
+        return observed_evenly(scene, recorded, after.resolution_um, rng)["report"]
 
     for one in OBSERVABLES:
         if one.name == "report_after_latch_us":
