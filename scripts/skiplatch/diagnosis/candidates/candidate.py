@@ -49,6 +49,11 @@ def _ranges_of(effect_id: str) -> tuple[FloatArray, FloatArray]:
     return np.where(is_size, low, -np.inf), np.where(is_size, high, np.inf)
 
 
+@cache
+def _names_of(effect_id: str) -> tuple[str, ...]:
+    return tuple(parameter.name for parameter in effects()[effect_id].parameters)
+
+
 @dataclass(frozen=True, slots=True)
 class Candidate:
     """One effect as a surrogate.
@@ -79,14 +84,16 @@ class Candidate:
     @property
     def names(self) -> tuple[str, ...]:
         """Those of the parameters, as in the table of effects."""
-        return tuple(parameter.name for parameter in effects()[self.id].parameters)
+        return _names_of(self.id)
 
     def acting(self, scene: Scene, parameters: Parameters) -> Change:
         """Give what parameters, shape (p,), make of the physics of the touches at which it acts.
 
         A size beyond its range is the end of it, as the simulator takes it.
         """
-        change = self.change(scene, np.clip(parameters, *_ranges_of(self.id)))
+        low, high = _ranges_of(self.id)
+        # Ten times as fast as np.clip, and searches ask by the ten thousand.
+        change = self.change(scene, np.minimum(np.maximum(parameters, low), high))
         return change if self.span == ALWAYS else Change(passing=((self.span, change),))
 
     def taken_up(self, scene: Scene) -> frozenset[int]:

@@ -210,13 +210,16 @@ def robust_fit(
     Gives the multiples, and what they leave, as nats of a scatter of that scale; beyond it values
     count for less.
     """
-    design = np.column_stack(columns)
-    least, *_ = np.linalg.lstsq(design, values, rcond=None)
+    design, scaled = np.column_stack(columns) / scale, values / scale
+    least, *_ = np.linalg.lstsq(design, scaled, rcond=None)
 
     def off(p: Parameters) -> FloatArray:
-        return np.asarray(design @ p - values) / scale
+        return np.asarray(design @ p - scaled)
 
-    found = scipy.optimize.least_squares(off, least, x_scale="jac", loss="soft_l1")
+    def slopes(_p: Parameters) -> FloatArray:
+        return design
+
+    found = scipy.optimize.least_squares(off, least, jac=slopes, x_scale="jac", loss="soft_l1")
     return np.asarray(found.x), float(found.cost)
 
 

@@ -57,7 +57,7 @@ def turn_of(parameter: Parameter) -> float:
 
 def as_share(value: float) -> float:
     """Keep a share between 0 and 1 wherever the search goes."""
-    return float(np.clip(abs(value), 0.0, 1.0))
+    return min(abs(float(value)), 1.0)
 
 
 def as_part(value: float) -> float:

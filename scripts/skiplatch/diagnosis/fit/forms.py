@@ -39,8 +39,7 @@ def refine(scene: Scene, found: Fit) -> Fit:
     """Fit effects jointly, from where they are."""
     start = np.concatenate(found.parameters)
     target = Target(scene, found.candidates, [start], NOTHING)
-    start = by_least_squares(target, start)
-    best = _sharpened(target, fit_form(target, [start], target.widenings))
+    best = _sharpened(target, _nearby(target, start))
     return target.fit(_loosened(target, best))
 
 
@@ -111,14 +110,17 @@ def _refined(target: Target, candidate: Candidate, best: FloatArray) -> FloatArr
     promising = [r for r in candidate.refinements if not target.taken_up(candidate) & r.keys()]
     while promising:
         starts = [_freed(target, best, refinement) for refinement in promising]
-        found = [
-            fit_form(target, [start], target.widenings) if start.any() else best for start in starts
-        ]
+        found = [_nearby(target, start) if start.any() else best for start in starts]
         costs = [cost(values) for values in found]
         promising = [r for r, c in zip(promising, costs, strict=True) if c < cost(best)]
         if promising:
             best = found[int(np.argmin(costs))]
     return best
+
+
+def _nearby(target: Target, start: FloatArray) -> FloatArray:
+    """Fit from a start that is nearly right: no search from afar does better."""
+    return fit_form(target, [by_least_squares(target, start)], FINEST)
 
 
 def _pruned(target: Target, candidate: Candidate, best: FloatArray) -> FloatArray:
