@@ -78,8 +78,8 @@ format: setup-build ## lay out C and Python files as lint wants them
 
 .PHONY: totals
 totals:
-	@python3 scripts/count_tests.py $(RESULTS) $(TEST_SUITES) long lint sanitize proofs \
-	    $(notdir $(wildcard $(RESULTS)/nightly $(RESULTS)/bench-vm))
+	@python3 scripts/count_tests.py $(RESULTS) $(TEST_SUITES) lint sanitize proofs \
+	    $(notdir $(wildcard $(addprefix $(RESULTS)/,long nightly bench-vm)))
 
 .PHONY: clean
 clean: ## remove what was built

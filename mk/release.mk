@@ -3,5 +3,5 @@
 .PHONY: release
 release: setup setup-lint ## check all that a release needs; TAG=yes also makes the tag
 	@$(VENV_PYTHON) scripts/release.py
-	@$(MAKE) lint test docs wheel
+	@$(MAKE) lint test long docs wheel
 	@$(VENV_PYTHON) scripts/release.py --built $(WHEEL) $(if $(filter yes,$(TAG)),--tag)

@@ -69,6 +69,7 @@ def run(*arguments: object) -> Result:
     return CliRunner().invoke(cli.group, ["bench", "believe", *map(str, arguments)])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("outliers", [0.0, 0.02])
 def test_figures_are_found_again_whatever_comes_now_and_then(outliers: float) -> None:
     found = belief(outliers)
@@ -110,6 +111,7 @@ def test_latch_before_its_edge_gives_no_negative_latency() -> None:
     assert believe(recorded, seed=1).skip_latency_us.value >= 0.0
 
 
+@pytest.mark.long
 def test_file_is_the_nominal_of_a_bench_and_leaves_the_rest_as_it_was(tmp_path: Path) -> None:
     recorded = campaign()
     write_campaign(tmp_path / "quiet", recorded.nominal, recorded.touches)

@@ -83,6 +83,7 @@ def without_a_gap() -> list[Comparison]:
         ]
 
 
+@pytest.mark.long
 def test_false_alarms_are_as_rare_as_stated(without_a_gap: list[Comparison]) -> None:
     """More than 14 alarms come once in 1,000 runs."""
     alarms = sum(bool(comparison.differing) for comparison in without_a_gap)

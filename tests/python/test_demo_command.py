@@ -90,6 +90,7 @@ def test_demo_shows_everything_and_ends_with_its_pictures(shown: tuple[Path, Res
     assert set(document["comparisons"]) == {"bench_isr_latency", "machine_no_gap"}
 
 
+@pytest.mark.long
 def test_demo_can_be_shown_again_in_the_same_folder(shown: tuple[Path, Result]) -> None:
     folder, first = shown
 

@@ -71,6 +71,7 @@ def without_a_gap(tmp_path_factory: pytest.TempPathFactory) -> tuple[Result, Pat
     return CliRunner().invoke(cli.group, words), folder / "several.json"
 
 
+@pytest.mark.long
 def test_several_campaigns_are_a_list_in_their_order(without_a_gap: tuple[Result, Path]) -> None:
     result, out = without_a_gap
 
@@ -151,6 +152,7 @@ def test_diagnosis_and_prediction_go_together(
     assert np.median(waits) == pytest.approx(48.7, abs=0.5)
 
 
+@pytest.mark.long
 def test_what_is_below_a_stated_size_is_no_gap(tmp_path: Path) -> None:
     diagnosis = tmp_path / "diagnosis.json"
     few = few_in(tmp_path, BENCH)

@@ -110,6 +110,7 @@ def test_stamps_of_the_latch_stay() -> None:
     assert "report" in scene.streams
 
 
+@pytest.mark.long
 def test_a_late_report_is_named_though_nobody_stamped() -> None:
     late = Effect("report_delay", {"delay_us": 400.0, "stepping_us_min_m": 30.0})
     campaign = unstamped(played_again(stamped_machine(), late))

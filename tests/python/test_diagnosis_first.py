@@ -28,6 +28,7 @@ DELAY = ("probe", "delay_us")
 PRETRAVEL = ("probe", "pretravel_um")
 
 
+@pytest.mark.long
 def test_an_effect_is_fitted_to_beliefs_as_stated_too_not_only_where_they_fit_without_it() -> None:
     """A coarse tick that rounds down reads early by half of it, which a filter may make up for.
 
@@ -50,6 +51,7 @@ def test_an_effect_is_fitted_to_beliefs_as_stated_too_not_only_where_they_fit_wi
     assert filter_us == pytest.approx(bench.nominal.input.filter_us, abs=0.3)
 
 
+@pytest.mark.long
 def test_an_effect_that_moves_a_belief_leaves_it_where_another_observable_has_it() -> None:
     """A late filter asks for a lower acceleration; where latches are read asks for the real one."""
     machine = stamped_machine()
@@ -69,6 +71,7 @@ def test_an_effect_that_moves_a_belief_leaves_it_where_another_observable_has_it
     assert judge.scene.nominal.axis.accel_mm_s2 == pytest.approx(right, rel=1e-3)
 
 
+@pytest.mark.long
 def test_a_clock_that_is_off_is_told_beside_a_period_that_is_uncertain() -> None:
     """Beside the period that fits without it, a clock that is off breaks the grid of the stamps."""
     machine = stamped_machine()

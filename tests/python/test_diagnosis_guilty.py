@@ -104,6 +104,7 @@ def test_where_a_gap_grows_the_one_that_is_missed_least_is_taken_out(scene: Scen
     assert found.model.ids == (LATE.id,)
 
 
+@pytest.mark.long
 def test_where_all_scatter_what_does_not_is_looked_for() -> None:
     """Masked interrupts take a delay for their own, and each that scatters would hide it again."""
     scene = Scene.of(played(BENCH, Effect("isr_latency", {"latency_us": 400.0}), seed=3))

@@ -192,6 +192,7 @@ def test_an_exponential_that_takes_away_is_the_same_from_the_other_side(
     np.testing.assert_allclose(np.exp(found) - wide[0], np.exp(same) - wide[1], atol=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("mean", [0.3, 4.0, 500.0])
 @pytest.mark.parametrize(
     "law",

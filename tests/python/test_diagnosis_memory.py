@@ -32,6 +32,7 @@ def of_noise(n: int) -> list[Memory | None]:
     return [look(rng.normal(size=n)) for _ in range(DRAWS)]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("n", [25, 100, 300])
 @pytest.mark.parametrize("z", [2.0, 3.0])
 def test_noise_is_no_memory_more_often_than_stated(n: int, z: float) -> None:

@@ -53,6 +53,7 @@ def polled(*, stamped: bool = False) -> Campaign:
     return replace(base, nominal=nominal, touches=touches)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("datum_um", [0.0, 60.0])
 @pytest.mark.parametrize("stamped", [False, True])
 def test_a_wave_is_proposed_and_fitted_wherever_the_surface_is(
@@ -141,6 +142,7 @@ def test_what_plays_do_not_tell_of_touches_is_that_of_their_pool() -> None:
     assert apart.floor.mean() == pytest.approx(alike.floor.mean(), rel=0.02)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("places", "surface_um", "is_told"),
     [(12, 0.0, False), (60, 0.0, True), (60, 500.0, True), (12, 500.0, False)],

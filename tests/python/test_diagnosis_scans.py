@@ -76,6 +76,7 @@ def test_the_phase_is_found_to_a_tick_however_fine_that_is(tick_us: float) -> No
     assert found > best + len(stamps) * np.log(period) - 1.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("late_us", "span_us"),
     [(1000.0, 0.0), (600.0, 0.0), (500.0, 600.0), (700.0, 1000.0)],

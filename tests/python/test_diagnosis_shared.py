@@ -82,6 +82,7 @@ def test_plays_may_miss_touches_that_were_recorded(scene: Scene, seed: int) -> N
     assert told(scene, recorded, np.where(is_missed, np.nan, plays)) == []
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("late", [0.0, 0.5, 1.0, 2.0])
 def test_nothing_is_missed_by_holding_no_chance_against_plays(
     scene: Scene, late: float, monkeypatch: pytest.MonkeyPatch

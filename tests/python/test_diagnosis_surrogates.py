@@ -95,6 +95,7 @@ def test_nothing_near_the_truth_is_likelier(folder: Path, truth: Effect, seed: i
     assert total(standing(scene, found.effect)) - total(there) < chance + ROUGH * gained
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "truth",
     [
@@ -124,6 +125,7 @@ def test_a_surface_that_moves_is_found_where_it_shows_when_it_is_met(truth: Effe
     assert likelihood(scene, found.change(scene)).total > left - 2.0
 
 
+@pytest.mark.long
 def test_a_drift_is_found_with_the_thermometer_that_it_follows() -> None:
     machine = stamped_machine()
     count = len(machine.touches)

@@ -20,6 +20,7 @@ def run_fuzzer(*words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("fuzzer", FUZZERS)
 def test_whole_corpus_is_read_or_refused_in_one_line(fuzzer: str) -> None:
     run = run_fuzzer(fuzzer, "0", "--seed", "0")

@@ -264,6 +264,7 @@ def test_flow_of_a_program_is_carried_out(program: str, feeds: list[float | None
     assert [move.feed for move in run_program(program, [(0.0,) * 9] * 9).moves] == feeds
 
 
+@pytest.mark.long
 def test_a_program_without_an_end_is_run_as_far_as_its_log_can_reach() -> None:
     endless = "o1 while [1]\nG0 Z5\nG38.2 Z-5 F100\no1 endwhile\n"
 

@@ -39,6 +39,7 @@ def test_every_header_compiles_alone(compiler: str, standard: str, tmp_path: Pat
         run(compiler, f"-std={standard}", *STRICT, "-fsyntax-only", source)
 
 
+@pytest.mark.long
 def test_every_function_links_from_a_port_in_cplusplus(
     compiler: str, exported: list[str], tmp_path: Path
 ) -> None:

@@ -71,6 +71,7 @@ def built(
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("example", LATE_US)
 def test_platformio_builds_the_example_and_it_runs_on_an_uno(
     packed: Path, uno: Path, settings: dict[str, str], example: str, tmp_path: Path

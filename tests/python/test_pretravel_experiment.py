@@ -234,6 +234,7 @@ def test_the_lobes_of_a_recorded_probe_are_diagnosed(tmp_path: Path) -> None:
     assert found.effects[0].effect.parameters["azimuth_deg"] == pytest.approx(azimuth_deg, abs=3.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["omp60", "haas"])
 def test_compensated_it_shows_no_gap(name: str, tmp_path: Path) -> None:
     """Of every second touch lobes of 0.1 µm would still be significant."""

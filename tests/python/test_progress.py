@@ -52,6 +52,7 @@ def test_a_diagnosis_shows_on_a_terminal_how_much_is_done(diagnose: list[str]) -
     assert not shown.endswith("tasks/s]")
 
 
+@pytest.mark.long
 def test_a_diagnosis_is_silent_in_a_pipe(diagnose: list[str]) -> None:
     ran = subprocess.run(diagnose, capture_output=True, check=True)
 

@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from tests.mutation.python_mutants import mutants_of
 
 RULES = "scripts/skiplatch/diagnosis/verdict/rules.py"
@@ -59,6 +61,7 @@ def scored(*options: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, check=False, capture_output=True, text=True)
 
 
+@pytest.mark.long
 def test_the_tests_notice_what_is_drawn() -> None:
     """And where more is asked for than there can be, the exit status says so."""
     done = scored("--count", "3", "--least", "1.1")
@@ -77,6 +80,7 @@ def test_a_test_that_never_sees_the_module_scores_nothing(tmp_path: Path) -> Non
     assert done.stderr == "the tests were not run: status 70\n"
 
 
+@pytest.mark.long
 def test_a_test_that_looks_at_nothing_lets_mutants_live(tmp_path: Path) -> None:
     idle = tmp_path / "test_idle.py"
     idle.write_text(

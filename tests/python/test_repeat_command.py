@@ -292,6 +292,7 @@ def test_growth_with_the_temperature_is_told_by_its_thermometer(machine_sample: 
     assert holds(found.per_kelvin["machine"], 4.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed_of_many", [0])
 def test_intervals_hold_the_truth_as_often_as_stated(
     machine_sample: Path, seed_of_many: int

@@ -56,6 +56,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     return counts
 
 
+@pytest.mark.long
 def test_a_cluster_gives_the_same_bytes(tmp_path: Path, folders: list[Path]) -> None:
     pytest.importorskip("distributed")
     here, there = tmp_path / "here.json", tmp_path / "there.json"
@@ -65,6 +66,7 @@ def test_a_cluster_gives_the_same_bytes(tmp_path: Path, folders: list[Path]) -> 
     assert here.read_bytes() == there.read_bytes()
 
 
+@pytest.mark.long
 def test_touches_that_were_played_are_not_played_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
