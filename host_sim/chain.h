@@ -78,7 +78,8 @@ typedef struct {
     double   sign;        /* 1 or -1: the sense in which the axis moves */
     double   position_mm; /* axis coordinate of the nominal surface */
     double   rotary_deg;
-    double   datum_um; /* how far past the nominal surface the axis shows the real one */
+    double   datum_um;   /* how far past the nominal surface the axis shows the real one */
+    double   surface_um; /* how far past it that one lies; the axis goes on at its speed there */
     double   temp_c;
     double   further_temp_c[SIM_FURTHER_THERMOMETERS]; /* of thermometers at other places */
     uint64_t touch; /* serial number; with seed and replicate it picks the random numbers */

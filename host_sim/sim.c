@@ -148,12 +148,13 @@ static sim_ns_t closing_time(sim_t *sim)
 static double draw_pretravel_um(sim_t *sim)
 {
     double pretravel_um = sim_probe_pretravel_um(sim->chain, sim->touch, &sim->rest, &sim->random);
+    double surface_um = sim->touch->surface_um;
     if (!sim->chain->is_machine) {
-        return 0.0;
+        return surface_um;
     }
     double admitted_um =
         sim_probe_admitted_um(sim->chain, sim_change(sim, SIM_PRETRAVEL, pretravel_um));
-    return admitted_um + sim_change(sim, SIM_SURFACE, 0.0);
+    return admitted_um + sim_change(sim, SIM_SURFACE, surface_um);
 }
 
 void sim_move(sim_t *sim, double target_um, double feed_mm_min)

@@ -109,7 +109,8 @@ static bool is_touch(const sim_touch_t *touch)
            is_within(touch->feed_mm_min, 1.0e-3, FEED_MAX_MM_MIN) &&
            is_within(touch->approach_mm, 1.0e-6, LENGTH_MAX_MM) && isfinite(touch->alpha_deg) &&
            isfinite(touch->beta_deg) && isfinite(touch->sign) && isfinite(touch->position_mm) &&
-           isfinite(touch->rotary_deg) && isfinite(touch->datum_um) && isfinite(touch->temp_c) &&
+           isfinite(touch->rotary_deg) && isfinite(touch->datum_um) &&
+           isfinite(touch->surface_um) && isfinite(touch->temp_c) &&
            are_finite(touch->further_temp_c, SIM_FURTHER_THERMOMETERS) &&
            is_duration(touch->pulse_us) &&
            (touch->path == SIM_PATH_SKIP || touch->path == SIM_PATH_PLC);

@@ -18,8 +18,9 @@ from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density.change import NOTHING
 from skiplatch.diagnosis.fit.fit import starts_of
 from skiplatch.diagnosis.fit.intervals import estimates
-from skiplatch.diagnosis.plays.playing import FittedDatum, Rig
+from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.plays.replay import as_recorded
+from skiplatch.diagnosis.plays.surfaces import FittedDatum
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 from standing_fits import standing, whole
@@ -93,6 +94,7 @@ def test_a_scale_of_y_alone_is_known_as_closely_as_one_of_x() -> None:
     assert width_ppm(Axis.Y) < 2.0 * width_ppm(Axis.X)
 
 
+@pytest.mark.long
 def test_a_scale_of_y_alone_is_the_likeliest_effect() -> None:
     assert Search(played_again(along(Axis.Y), LONG)).judge.singles()[0].ids == (LONG.id,)
 

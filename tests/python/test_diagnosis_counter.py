@@ -9,7 +9,8 @@ from played_campaigns import MACHINE
 from skiplatch.campaign import Campaign, InputPath, read_campaign
 from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.fit.believed import scene_of
-from skiplatch.diagnosis.plays.playing import FittedDatum, Rig
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.plays.surfaces import FittedDatum
 from skiplatch.diagnosis.scene.lines import above_line_um, with_lines
 from skiplatch.diagnosis.verdict.verdict import Verdict
 from skiplatch.simulator.playing import play
@@ -84,6 +85,7 @@ def test_plays_lie_on_the_lines_of_the_record() -> None:
     assert alike > 0.7
 
 
+@pytest.mark.long
 def test_arrivals_beside_a_coarse_counter_are_no_gap() -> None:
     """A step takes up to 12 ms, and a report half of one: what hides there is said to."""
     found = diagnose(counted(slow(read_campaign(MACHINE))), seed=1)

@@ -22,7 +22,8 @@ from skiplatch.diagnosis.density.datum import BY_COORDINATES, BY_STAMPS, WITHOUT
 from skiplatch.diagnosis.density.law import Extra, Law
 from skiplatch.diagnosis.fit.fit import fit
 from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um, likelihood
-from skiplatch.diagnosis.plays.playing import FittedDatum, Rig, met_at
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.plays.surfaces import FittedDatum, met_at
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.decide import Finding
 from skiplatch.diagnosis.search.scored import Scored
@@ -292,6 +293,7 @@ def test_what_is_known_of_a_datum_holds_it_back() -> None:
     assert none == pytest.approx(0.0, abs=0.01)
 
 
+@pytest.mark.long
 def test_a_surface_far_off_is_where_the_axis_meets_it_on_its_ramp() -> None:
     """It comes to another speed there, which was taken for a feed that is wrong."""
     machine = read_campaign(MACHINE)
@@ -472,6 +474,7 @@ def retried(rng: np.random.Generator) -> tuple[Law, FloatArray]:
     return Law(0.0 * speed, sigma, 0.0 * speed, 0.0 * speed, tuple(extras)), values
 
 
+@pytest.mark.long
 def test_the_likeliest_length_is_found_where_some_touches_come_far_later() -> None:
     """No touch is near the mean of such a law."""
     rng, missed = np.random.default_rng(11), []

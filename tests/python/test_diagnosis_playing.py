@@ -21,7 +21,9 @@ from skiplatch.diagnosis import (
     rig_from_json,
 )
 from skiplatch.diagnosis.fit.beliefs import believing, uncertain
-from skiplatch.diagnosis.plays.playing import FittedDatum, Folds, Rig
+from skiplatch.diagnosis.plays.playing import Folds, Rig
+from skiplatch.diagnosis.plays.surfaces import FittedDatum
+from skiplatch.diagnosis.scene.observed import observed
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.parts import FOLDS, folds
 from skiplatch.simulator.effects import Effect, effects
@@ -70,6 +72,20 @@ def test_a_surface_that_is_off_is_met_later_and_there() -> None:
     farther_um = (off.deviation_um - plain.deviation_um)[:, skip]
     assert middle(later_us * speed_um_us) == pytest.approx(40.0, rel=0.02)
     assert middle(farther_um) == pytest.approx(40.0, abs=0.5)
+
+
+def test_past_the_nominal_surface_the_axis_goes_on_at_the_speed_that_it_has_there() -> None:
+    """Also on its ramp, which would bring it to another speed at a surface that lies farther."""
+    campaign = stamped()
+    axis = replace(campaign.nominal.axis, accel_mm_s2=30.0)
+    slow = replace(campaign, nominal=replace(campaign.nominal, axis=axis))
+    scene = Scene(slow.nominal, slow.touches)
+
+    off = played(slow, FittedDatum(dict.fromkeys("XYZ", 60.0)))
+
+    beyond_um = observed(scene, off)["position"][:, slow.touches.on_skip]
+    assert np.nanmax(np.abs(beyond_um)) < axis.resolution_um
+    assert middle(off.deviation_um) > 60.0
 
 
 @pytest.mark.parametrize("kind", ["surface_um", "coordinate_um"])

@@ -22,7 +22,8 @@ from skiplatch.diagnosis.experiment import Experiment
 from skiplatch.diagnosis.fit.beliefs import uncertain
 from skiplatch.diagnosis.fit.material import Materiality
 from skiplatch.diagnosis.plays.left import Left
-from skiplatch.diagnosis.plays.playing import FittedDatum, Rig
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.plays.surfaces import FittedDatum
 from skiplatch.diagnosis.reported.diagnosis import Ranked
 from skiplatch.diagnosis.reported.notes import notes
 from skiplatch.diagnosis.reported.text import as_text

@@ -14,8 +14,9 @@ from skiplatch.campaign import Campaign, Datum, DatumFreedom, InputPath, read_ca
 from skiplatch.comparison import compare
 from skiplatch.comparison.cells import cells_of, feed_groups
 from skiplatch.comparison.observables import OBSERVABLES
-from skiplatch.diagnosis.plays.playing import FittedDatum, Rig
+from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.plays.replay import as_recorded
+from skiplatch.diagnosis.plays.surfaces import FittedDatum
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.cell_scores import Cell, CellScores, TouchScores, floor_of
 from skiplatch.diagnosis.verdict.shrink import Gap, PlayedRigs, _floor, _gap, _share_gone

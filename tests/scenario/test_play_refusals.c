@@ -184,6 +184,9 @@ void test_a_touch_in_no_direction_or_on_no_path_is_refused(void)
     touch.datum_um = (double)NAN;
     TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_TOUCH, attempt(1u));
     setUp();
+    touch.surface_um = (double)NAN;
+    TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_TOUCH, attempt(1u));
+    setUp();
     touch.beta_deg = (double)INFINITY;
     TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_TOUCH, attempt(1u));
     setUp();

@@ -17,7 +17,8 @@ from skiplatch.diagnosis.fit.believed import scene_of
 from skiplatch.diagnosis.fit.directions import UNDIRECTED
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
-from skiplatch.diagnosis.plays.playing import FittedDatum, Rig, met_at
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.plays.surfaces import FittedDatum, met_at
 from skiplatch.diagnosis.reported.diagnosis import Diagnosis, Ranked
 from skiplatch.diagnosis.reported.notes import first_touch, notes
 from skiplatch.diagnosis.reported.wanting import MOST_TOUCHES

@@ -82,7 +82,11 @@ def warmths_k(touches: Touches, calibrated_at_c: float) -> FloatArray:
 
 
 def touch_rows(
-    nominal: Nominal, touches: Touches, pulse_us: float, datum_um: FloatArray | float = 0.0
+    nominal: Nominal,
+    touches: Touches,
+    pulse_us: float,
+    datum_um: FloatArray | float = 0.0,
+    surface_um: FloatArray | float = 0.0,
 ) -> NDArray[np.void]:
     """Give the conditions of touches as an array of sim_touch_t; shape (n,)."""
     _, library = connection()
@@ -99,7 +103,7 @@ def touch_rows(
     rows["temp_c"], *further_c = CALIBRATED_AT_C + warmths_k(touches, at_c)
     rows["further_temp_c"] = np.transpose(further_c)
     rows["pulse_us"] = pulse_us
-    rows["datum_um"] = datum_um
+    rows["datum_um"], rows["surface_um"] = datum_um, surface_um
     return rows
 
 
@@ -114,6 +118,7 @@ def play(
     jobs: int = 1,
     pulse_us: float = 0.0,
     datum_um: FloatArray | float = 0.0,
+    surface_um: FloatArray | float = 0.0,
     switched_on: Sequence[Effect] = (),
     seat: Seat | None = None,
 ) -> Outcomes:
@@ -131,8 +136,9 @@ def play(
         first_replicate: Number of the first replicate.
         jobs: Threads to play on.
         pulse_us: Contact opens again after this time; 0 means when the axis retreats.
-        datum_um: How far past the nominal surface the axis shows the real one, which an approach
-            goes to; shape (n,) or one for all.
+        datum_um: How far past the nominal surface the axis shows the real one; shape (n,) or one
+            for all.
+        surface_um: How far past it that one lies, where the axis goes on at its speed; the same.
         switched_on: Effects that the nominal chain knows nothing of; one that begins or ends is
             played as if it had always been there, and taken where it is.
         seat: The mechanics of the probe, in place of its calibrated mean and lobes.
@@ -153,6 +159,7 @@ def play(
         jobs=jobs,
         pulse_us=pulse_us,
         datum_um=datum_um,
+        surface_um=surface_um,
         seat=seat,
     )
     if all(effect.span == ALWAYS for effect in switched_on):
@@ -190,6 +197,7 @@ def _play(
     jobs: int,
     pulse_us: float,
     datum_um: FloatArray | float,
+    surface_um: FloatArray | float,
     switched_on: Sequence[Effect],
     seat: Seat | None,
 ) -> Outcomes:
@@ -197,7 +205,7 @@ def _play(
     if (count := len(with_believed(nominal, switched_on))) > MOST_EFFECTS:
         raise SimulationError(f"expected at most {MOST_EFFECTS} effects, got {count}")
     order = np.argsort(touches.time_s, kind="stable")  # effects remember what came before
-    rows = touch_rows(nominal, touches, pulse_us, datum_um)[order]
+    rows = touch_rows(nominal, touches, pulse_us, datum_um, surface_um)[order]
     rig = filled_rig(
         nominal, controller, switched_on, seed=seed, replicate=first_replicate, seat=seat
     )

@@ -8,17 +8,13 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.arrays import BoolArray
 from skiplatch.campaign import Nominal, Touches
-from skiplatch.campaign.datum_names import datum_names, datum_senses
-from skiplatch.diagnosis.density.change import Change
-from skiplatch.diagnosis.density.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
-from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um
 from skiplatch.diagnosis.plays.scans import Begins, Player, Scans
+from skiplatch.diagnosis.plays.surfaces import FittedDatum, within_reach
 from skiplatch.diagnosis.scene.arrivals import as_stamped
 from skiplatch.diagnosis.scene.grid import WRITTEN_US, keep_grid, mean_turn
 from skiplatch.diagnosis.scene.lines import above_line_um
-from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes, play, spliced
 from skiplatch.simulator.rig import Controller
@@ -27,66 +23,6 @@ from skiplatch.units import UM_PER_MM
 
 ENCODER, TICK = "encoder_quantisation", "timer_quantisation"
 SCAN_LOCK, SCAN_PERIOD, SLOTS = "scan_phase_lock", "scan_period", "link_slotting"
-SHORTEST_MM = 1e-3
-"""Way to the surface that is left to a touch whose surface is nearer than it was made from."""
-
-
-@dataclass(frozen=True, slots=True)
-class FittedDatum:
-    """How far the surface is from where it is believed to be, by the name of the datum.
-
-    Attributes:
-        surface_um: By which the surface is met later.
-        coordinate_um: By which all deviations read high besides.
-    """
-
-    surface_um: Mapping[str, float] = field(default_factory=dict)
-    coordinate_um: Mapping[str, float] = field(default_factory=dict)
-
-    @classmethod
-    def of(cls, scene: Scene, change: Change) -> "FittedDatum":
-        """Fit it to a scene under a change of the physics."""
-        if scene.datum_names is None:
-            return cls()
-        names = np.unique(scene.datum_names).tolist()
-        found = fitted_datum_um(scene, change)
-
-        def by_name(family: tuple[str, ...]) -> dict[str, float]:
-            values = found.get(family)
-            return {} if values is None else dict(zip(names, values.tolist(), strict=True))
-
-        coordinate_um = by_name(BY_COORDINATES)
-        if BY_STAMPS in found:
-            return cls(by_name(BY_STAMPS), coordinate_um)
-        both_um = by_name(WITHOUT_STAMPS)
-        if not coordinate_um:
-            return cls({}, both_um)
-        return cls({name: um - coordinate_um[name] for name, um in both_um.items()}, coordinate_um)
-
-    def beyond(self, surface: "FittedDatum") -> "FittedDatum":
-        """Give it with a surface whose place it was fitted beside, without any of its own."""
-        rest = {
-            name: um - surface.surface_um.get(name, 0.0) for name, um in self.coordinate_um.items()
-        }
-        return FittedDatum(surface.surface_um, rest) if surface.surface_um else self
-
-    def sizes_um(self, nominal: Nominal, touches: Touches) -> tuple[FloatArray, FloatArray]:
-        """Give both for touches, along their approach; shape (n,) each."""
-        names = datum_names(nominal, touches)
-        if names is None:
-            return np.zeros(len(touches)), np.zeros(len(touches))
-        senses = datum_senses(nominal, touches)
-        surface, coordinate = (
-            senses * np.array([known.get(name, 0.0) for name in names.tolist()], dtype=float)
-            for known in (self.surface_um, self.coordinate_um)
-        )
-        return surface, coordinate
-
-
-def met_at(touches: Touches, surface_um: FloatArray) -> Touches:
-    """Give n touches with the way that the axis goes to surfaces that lie so much farther."""
-    approach_mm = np.maximum(touches.approach_mm + surface_um / UM_PER_MM, SHORTEST_MM)
-    return replace(touches, approach_mm=approach_mm)
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,11 +159,14 @@ class Rig:
     ) -> Outcomes:
         """Play touches so often on a controller that begins as told; see `play`."""
         surface_um, coordinate_um = self.datum.sizes_um(self.nominal, touches)
-        met, line_um = met_at(touches, surface_um), np.zeros(len(touches))
+        surface_um, line_um = within_reach(touches, surface_um), np.zeros(len(touches))
         if all(effect.id != ENCODER for effect in self.effects):  # which has lines of its own
             line_um = above_line_um(self.nominal, touches)
+        controller = Controller.for_campaign(self.nominal, touches)
+        farther_mm = float(surface_um.max(initial=0.0)) / UM_PER_MM
         controller = replace(
-            Controller.for_campaign(self.nominal, met),
+            controller,
+            overtravel_mm=controller.overtravel_mm + farther_mm,
             scan_phase_us=begins.scan_phase_us,
             scan_spread_us=begins.scan_spread_us,
             start_spread_us=begins.start_spread_us,
@@ -235,11 +174,12 @@ class Rig:
         outcomes = play(
             self.nominal,
             controller,
-            met,
+            touches,
             seed=seed,
             replicates=replicates,
             jobs=jobs,
-            datum_um=surface_um + coordinate_um + line_um,
+            datum_um=coordinate_um + line_um,
+            surface_um=surface_um,
             switched_on=self.effects,
         )
         from_surface = replace(outcomes, deviation_um=outcomes.deviation_um - line_um)

@@ -8,7 +8,8 @@ from skiplatch.campaign import Nominal
 from skiplatch.campaign.constraints import LENGTH_UM
 from skiplatch.campaign.nominal import KEYS
 from skiplatch.diagnosis.fit.beliefs import believing
-from skiplatch.diagnosis.plays.playing import FittedDatum, Rig
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.plays.surfaces import FittedDatum
 from skiplatch.diagnosis.reported.diagnosis import Diagnosis
 from skiplatch.diagnosis.reported.schema import FORMAT, key_path, whole
 from skiplatch.diagnosis.verdict.named import Named

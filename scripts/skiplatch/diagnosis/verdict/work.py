@@ -18,8 +18,9 @@ from skiplatch.diagnosis.fit.material import Materiality
 from skiplatch.diagnosis.fit.together import together
 from skiplatch.diagnosis.plays.left import CHANCE, Left, Memo
 from skiplatch.diagnosis.plays.leftover import Beside, left_over, noticed
-from skiplatch.diagnosis.plays.playing import FittedDatum, Folds, Rig
+from skiplatch.diagnosis.plays.playing import Folds, Rig
 from skiplatch.diagnosis.plays.rare import rarely_off
+from skiplatch.diagnosis.plays.surfaces import FittedDatum
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.confirm import Confirmation, contenders, settle
 from skiplatch.diagnosis.search.decide import Finding, find, finds_any
