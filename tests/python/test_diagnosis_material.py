@@ -90,7 +90,8 @@ def test_a_shift_that_rounding_hides_is_not_material(steps: float) -> None:
 @pytest.mark.parametrize("steps", [0.3, 0.7])
 def test_scatter_that_rounding_hides_is_not_material(steps: float) -> None:
     scene = bench()
-    scatter = Change(position_sigma_um=steps * scene.nominal.axis.resolution_um)
+    scatter_um = steps * scene.nominal.axis.resolution_um
+    scatter = Change(position_sigma_us=scatter_um / scene.speed)
 
     assert is_material(scene, scatter, Materiality(um=1e-9)) == (steps > 0.5)
 
@@ -100,6 +101,7 @@ def test_a_stated_size_takes_away_the_least_gain() -> None:
     assert Materiality(us=1.0).nats_a_touch == 0.0
 
 
+@pytest.mark.long
 def test_a_delay_below_the_threshold_is_no_gap() -> None:
     above = Materiality(fraction=1e4)
 

@@ -48,7 +48,10 @@ def test_what_is_far_beyond_the_scatter_is_within_no_form() -> None:
 
 @pytest.mark.parametrize(
     "others",
-    [lambda scene: Change(position_um=60.0 * scene.sign), lambda _: Change(position_sigma_um=30.0)],
+    [
+        lambda scene: Change(position_um=60.0 * scene.sign),
+        lambda scene: Change(position_sigma_us=30.0 / scene.speed),
+    ],
     ids=["shifts as far", "scatters as far"],
 )
 def test_what_another_form_may_come_near_is_within_it(others: Callable[[Scene], Change]) -> None:

@@ -81,7 +81,8 @@ def each_axis(
         for moves in {False, moves_surface is not None and surfaces_show(scene)}:
             told = positions(scene, given, of_surfaces=moves)
             for shape in shapes:
-                unit_um = change(scene, np.array(shape)).position_um
+                unit = change(scene, np.array(shape))
+                unit_um = unit.position_um + scene.speed * unit.position_us
                 for first, *over in _seen_sizes(scene, told, np.broadcast_to(unit_um, len(scene))):
                     own = sized(shape, first)
                     if moves_surface is not None:

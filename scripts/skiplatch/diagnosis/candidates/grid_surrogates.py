@@ -15,17 +15,15 @@ def coarse_ticks(scene: Scene, p: Parameters) -> Change:
     # Of two clocks that share no grid, both round down, one after the other.
     again = 0.5 * scene.nominal.skip.tick_us if p[1] else 0.0
     later = p[1] + 0.5 * abs(p[0]) * as_share(p[2]) - again
-    with_it_um = np.where(scene.plc, 0.0, scene.speed * later)  # the position of the stamp
-    return Change(coarse_us=abs(p[0]), stamp_us=later, position_um=with_it_um, tick_line_us=p[1])
+    with_it_us = np.where(scene.plc, 0.0, later)  # the position of the stamp
+    return Change(coarse_us=abs(p[0]), stamp_us=later, position_us=with_it_us, tick_line_us=p[1])
 
 
 def _positions_of_ticks(scene: Scene, p: Parameters) -> Change:
     """Give what coarse ticks do where no stamp of theirs was recorded."""
-    width_um = np.where(scene.plc, 0.0, scene.speed * abs(p[0]))
-    later_um = np.where(scene.plc, 0.0, scene.speed * p[1]) - width_um * (
-        1.0 - as_share(p[2]) / 2.0
-    )
-    return Change(position_um=later_um, position_box_um=width_um)
+    width_us = np.where(scene.plc, 0.0, abs(p[0]))
+    later_us = np.where(scene.plc, 0.0, p[1]) - width_us * (1.0 - as_share(p[2]) / 2.0)
+    return Change(position_us=later_us, position_box_us=width_us)
 
 
 def coarse_positions(scene: Scene, p: Parameters) -> Change:

@@ -161,7 +161,7 @@ def transmission(scene: Scene, p: Parameters) -> Change:
     error = error_um(position)
     if not _is_at_surface(p):
         error = error_um(position - error / UM_PER_MM)
-    return _farther(scene, scene.sign * error, p[12])
+    return _farther(scene.sign * error, p[12])
 
 
 def _is_at_surface(p: Parameters) -> bool:
@@ -181,8 +181,8 @@ def held(scene: Scene, p: Parameters) -> Change:
         age_us = (scene.touches.latch_us - p[2] / DEG_PER_TURN * period_us) % period_us
     is_told = ~np.isnan(age_us)
     return Change(
-        position_um=-scene.speed * (np.where(is_told, age_us, period_us) + dead_us),
-        position_box_um=scene.speed * np.where(is_told, 0.0, period_us),
+        position_us=-(np.where(is_told, age_us, period_us) + dead_us),
+        position_box_us=np.where(is_told, 0.0, period_us),
     )
 
 
@@ -190,15 +190,15 @@ def lagging(scene: Scene, p: Parameters) -> Change:
     """The axis is behind where it is commanded to be; by no time at all, none that scatters."""
     lag_us = p[0] * scene.over_x(p[1], p[2])
     return Change(
-        position_um=scene.speed * lag_us,
-        position_sigma_um=scene.speed * np.minimum(abs(p[3]), np.abs(lag_us)),
+        position_us=lag_us,
+        position_sigma_us=np.minimum(abs(p[3]), np.abs(lag_us)),
     )
 
 
 def lost_motion(scene: Scene, p: Parameters) -> Change:
     """The position errs by the sense of motion."""
     by_sense = np.where(scene.sign < 0.0, -p[0], p[1])
-    return _farther(scene, by_sense * scene.over_x(p[2], p[3]), p[4])
+    return _farther(by_sense * scene.over_x(p[2], p[3]), p[4])
 
 
 def scaled(scene: Scene, p: Parameters) -> Change:
@@ -209,7 +209,7 @@ def scaled(scene: Scene, p: Parameters) -> Change:
     most_ppm = parameter_of("scale_error", "scale_ppm").high
     scale_ppm = np.clip(p[0] * scene.over_x(p[1], p[2]), -most_ppm, most_ppm)
     error_um = scale_ppm / UM_PER_MM * np.nan_to_num(scene.latched_mm)
-    return _farther(scene, scene.sign * error_um, p[3])
+    return _farther(scene.sign * error_um, p[3])
 
 
 def warmed(scene: Scene, p: Parameters) -> Change:
@@ -220,13 +220,12 @@ def warmed(scene: Scene, p: Parameters) -> Change:
     warmth_k = _lagged(scene, lag_s, as_share(p[3]), _thermometer(scene, p[8]))
     um_k = p[0] + p[1] / UM_PER_MM * np.nan_to_num(scene.latched_mm)
     sense = 1.0 if p[6] > HALF_WAY else scene.sign
-    return _farther(scene, sense * um_k * warmth_k * scene.over_x(p[4], p[5]), p[7])
+    return _farther(sense * um_k * warmth_k * scene.over_x(p[4], p[5]), p[7])
 
 
-def _farther(scene: Scene, um: FloatArray, moves_surface: float) -> Change:
+def _farther(um: FloatArray, moves_surface: float) -> Change:
     """What is read is off along the approach, or the surface lies farther and is met later."""
-    later_us = um / scene.speed if moves_surface > HALF_WAY else 0.0
-    return Change(position_um=um, contact_us=later_us)
+    return Change(position_um=um, surface_um=um if moves_surface > HALF_WAY else 0.0)
 
 
 def _thermometer(scene: Scene, number: float) -> int:
@@ -293,4 +292,4 @@ def pivot(scene: Scene, p: Parameters) -> Change:
     shift_x = kept * p[0] - (np.cos(turn) * p[0] - np.sin(turn) * p[1])
     shift_y = kept * p[1] - (np.sin(turn) * p[0] + np.cos(turn) * p[1])
     along = np.cos(scene.alpha) * shift_x + np.sin(scene.alpha) * shift_y
-    return _farther(scene, along * scene.cos_beta, p[4])
+    return _farther(along * scene.cos_beta, p[4])

@@ -38,6 +38,8 @@ class Change:
 
     contact_us: Number = 0.0
     """By how much the contact comes later."""
+    surface_um: Number = 0.0
+    """By how much farther the surface lies: it is met later by the way to it at the real speed."""
     speed_ratio: Number = 1.0
     """Real over believed speed at the contact."""
     pretravel_um: Number = 0.0
@@ -51,10 +53,12 @@ class Change:
     stamp_us: Number = 0.0
     """Added to the stamp alone."""
     position_um: Number = 0.0
-    position_box_um: Number = 0.0
-    """Width of a box by which the position is scattered further, from 0 up."""
-    position_sigma_um: Number = 0.0
-    """Standard deviation by which the position is scattered further."""
+    position_us: Number = 0.0
+    """Added to the position as well: the way in this time, at the real speed."""
+    position_box_us: Number = 0.0
+    """Width of a box by which the time of the position is scattered further, from 0 up."""
+    position_sigma_us: Number = 0.0
+    """Standard deviation by which it is scattered further."""
     position_extra: tuple[Extra, ...] = ()
     coarse_um: float = 0.0
     """Resolution of the position, if coarser than believed."""
@@ -106,6 +110,7 @@ class Change:
             return other if self is NOTHING else self
         return Change(
             contact_us=self.contact_us + other.contact_us,
+            surface_um=self.surface_um + other.surface_um,
             speed_ratio=self.speed_ratio * other.speed_ratio,
             pretravel_um=self.pretravel_um + other.pretravel_um,
             pin_us=self.pin_us + other.pin_us,
@@ -115,8 +120,9 @@ class Change:
             wait=self.wait or other.wait,
             stamp_us=self.stamp_us + other.stamp_us,
             position_um=self.position_um + other.position_um,
-            position_box_um=self.position_box_um + other.position_box_um,
-            position_sigma_um=np.hypot(self.position_sigma_um, other.position_sigma_um),
+            position_us=self.position_us + other.position_us,
+            position_box_us=self.position_box_us + other.position_box_us,
+            position_sigma_us=np.hypot(self.position_sigma_us, other.position_sigma_us),
             position_extra=both(self.position_extra, other.position_extra),
             coarse_um=max(self.coarse_um, other.coarse_um),
             line_um=self.line_um if self.coarse_um >= other.coarse_um else other.line_um,

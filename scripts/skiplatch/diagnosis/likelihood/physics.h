@@ -42,6 +42,7 @@ typedef struct {
 /* The physics that differs from the chain. */
 typedef struct {
     sim_number_t contact_us;  /* later contact */
+    sim_number_t surface_um;  /* by which the surface lies farther */
     sim_number_t speed_ratio; /* of the real to the believed speed at the contact, > 0 */
     sim_number_t pretravel_um;
     sim_number_t pin_us; /* later at the pin */
@@ -49,7 +50,8 @@ typedef struct {
     sim_number_t plc_us;
     sim_number_t stamp_us; /* added to the stamp alone */
     sim_number_t position_um;
-    sim_number_t position_sigma_um;
+    sim_number_t position_us; /* the way in which, at the real speed, is added to that */
+    sim_number_t position_sigma_us;
     sim_number_t line_um; /* deviation at a line of the coarse position; NaN if not known */
     sim_number_t report_us;
     double       scan_us;   /* period of the scan, once it is changed */

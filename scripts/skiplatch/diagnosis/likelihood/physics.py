@@ -209,7 +209,7 @@ def extras_of(scene: Scene, name: str, change: Change) -> tuple[Extra, ...]:
         return change.report_extra
     if name in BY_STAMPS:
         return _latch_extras(scene, name, change)
-    beyond = _position_extras(change)
+    beyond = _position_extras(scene, change)
     if name == "position":
         return beyond
     if name == "arrival":
@@ -238,10 +238,11 @@ def _beyond(late: Extra, speed: FloatArray) -> Extra:
     )
 
 
-def _position_extras(change: Change) -> tuple[Extra, ...]:
-    width_um = change.position_box_um
-    is_boxed = width_um > 0.0 if isinstance(width_um, float) else bool(np.any(width_um > 0.0))
-    box = (Extra(1.0, width=width_um),) if is_boxed else ()
+def _position_extras(scene: Scene, change: Change) -> tuple[Extra, ...]:
+    width_us = change.position_box_us
+    is_boxed = width_us > 0.0 if isinstance(width_us, float) else bool(np.any(width_us > 0.0))
+    speed = scene.speed * change.speed_ratio
+    box = (Extra(1.0, width=speed * width_us),) if is_boxed else ()
     return _joint(change.position_extra, box)
 
 

@@ -27,6 +27,7 @@ static sim_change_t timeless(const sim_change_t *change)
 {
     sim_change_t found = *change;
     found.contact_us = (sim_number_t){0};
+    found.surface_um = (sim_number_t){0};
     found.stamp_us = (sim_number_t){0};
     found.speed_ratio = (sim_number_t){.all = 1.0};
     return found;

@@ -40,13 +40,32 @@ static double pretravel_um(const touch_t *touch)
     return fmax(touch->of->least_pretravel_um, changed);
 }
 
+/* By how much the contact comes later. */
+static double contact_us(const touch_t *touch)
+{
+    double farther_um = number_at(touch->change->surface_um, touch->i);
+    return number_at(touch->change->contact_us, touch->i) + farther_um / touch->speed;
+}
+
+/* What is added to the position. */
+static double position_um(const touch_t *touch)
+{
+    double older_us = number_at(touch->change->position_us, touch->i);
+    return number_at(touch->change->position_um, touch->i) + touch->speed * older_us;
+}
+
+static double position_sigma_um(const touch_t *touch)
+{
+    return touch->speed * number_at(touch->change->position_sigma_us, touch->i);
+}
+
 /* By how much the pin changes later, counted from what the latch is counted from. */
 static double mechanics_us(const touch_t *touch)
 {
     double later = number_at(touch->change->pin_us, touch->i);
     if (touch->of->is_machine != 0u) {
         double sooner = touch->of->pretravel_um[touch->i] / touch->of->speed[touch->i];
-        later += number_at(touch->change->contact_us, touch->i);
+        later += contact_us(touch);
         later += pretravel_um(touch) / touch->speed - sooner;
     }
     return later;
@@ -118,12 +137,12 @@ static sim_law_t position_law(const touch_t *touch, sim_law_t law)
     const sim_touches_t *of = touch->of;
     const sim_change_t  *change = touch->change;
     uint64_t             i = touch->i;
-    double               later = of->is_machine != 0u ? number_at(change->contact_us, i) : 0.0;
+    double               later = of->is_machine != 0u ? contact_us(touch) : 0.0;
     double               since_us = of->latch_us[i] - of->begin_us[i];
     double               way = touch->speed * (since_us - number_at(change->stamp_us, i) - later);
-    double               shift = way - of->speed[i] * since_us + number_at(change->position_um, i);
+    double               shift = way - of->speed[i] * since_us + position_um(touch);
     law.offset += shift - touch->coarser_um / 2.0;
-    law.sigma = norm(law.sigma, number_at(change->position_sigma_um, i));
+    law.sigma = norm(law.sigma, position_sigma_um(touch));
     law.box_a = law.box_a * touch->ratio + touch->speed * after_stamp_us(touch);
     law.box_b += touch->coarser_um;
     return law;
@@ -137,11 +156,11 @@ static sim_law_t deviation_law(const touch_t *touch, uint32_t stream, sim_law_t 
     double               delays_us = number_at(change->pin_us, i) + path_us(touch, stream);
     double               faster = touch->speed - of->speed[i];
     double shift = pretravel_um(touch) - of->pretravel_um[i] + faster * of->wait_us[i] +
-                   touch->speed * delays_us + number_at(change->position_um, i);
+                   touch->speed * delays_us + position_um(touch);
     double sooner = is_polled(stream) ? 0.0 : touch->speed * touch->coarser_us;
     double box = law.box_a * touch->ratio;
     law.offset += shift - touch->coarser_um / 2.0 - sooner;
-    law.sigma = norm(law.sigma, number_at(change->position_sigma_um, i));
+    law.sigma = norm(law.sigma, position_sigma_um(touch));
     law.box_a = wait_box(touch, stream, box, touch->speed);
     law.box_b += touch->coarser_um + sooner;
     return law;
@@ -161,7 +180,7 @@ sim_law_t touch_law(const sim_touches_t *of, uint32_t stream, const sim_law_t *c
     touch_t   touch = touch_at(of, change, i);
     sim_law_t law = *chain;
     if (stream == SIM_MOTION) {
-        law.offset += number_at(change->contact_us, i);
+        law.offset += contact_us(&touch);
         return law;
     }
     if (is_beyond_stamp(stream)) {
