@@ -12,6 +12,7 @@ from skiplatch.diagnosis.search.decide import (
     Finding,
     _extended,
     _from_further_on,
+    _pairs,
     from_next_best,
     several,
 )
@@ -30,6 +31,9 @@ class Judged:
 
     def pairs(self, first: Scored, _streams: frozenset[str]) -> list[Scored]:
         return [self._pair] if self._pair.ids[0] == first.ids[0] else []
+
+    def reaches(self, _model: Scored, _position: int) -> frozenset[str]:
+        return frozenset()
 
     def is_scatter(self, _scored: Scored) -> bool:
         return False
@@ -149,6 +153,27 @@ def test_slack_does_not_stand_for_a_further_effect() -> None:
     judge = cast(Judge, Slackened(with_slack, hold))
 
     assert _extended(judge, model, frozenset())[0] is hold
+
+
+class Turning(Slackened):
+    """Finds a pair without slack that is worse where it is searched from its second effect."""
+
+    def alone(self, model: Scored, position: int) -> Scored:  # noqa: ARG002 - by name
+        return model
+
+    def turned(self, pairs: list[tuple[Scored, Scored]]) -> list[Scored]:
+        return [replace(pair, fitted=1.0, checked=1.0) for pair, _ in pairs]
+
+
+def test_a_pair_without_slack_stays_where_searching_it_the_other_way_round_ends_elsewhere() -> None:
+    first = scored(STEPS, nats=300.0)
+    first = replace(first, fit=replace(first.fit, slack=0.4))
+    with_slack, hold = scored(STEPS, LAG, nats=310.0), scored(STEPS, HOLD, nats=400.0)
+
+    found = _pairs(cast(Judge, Turning(with_slack, hold)), first, frozenset())
+
+    assert found[0] is hold
+    assert [pair.ids for pair in found] == [hold.ids, with_slack.ids]
 
 
 class InPlace(Judged):

@@ -21,6 +21,8 @@ from skiplatch.diagnosis.fit.as_effects import as_effects
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.likelihood.laws import law_under
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.plays.surfaces import FittedDatum
 from skiplatch.diagnosis.scene.grid import grid_period
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.judge import Judge
@@ -227,6 +229,22 @@ def test_the_slots_that_stamps_keep_are_proposed(slot_us: float) -> None:
         for phase_deg in (best[1], 0.0)
     ]
     assert gained[0] > gained[1] + 300.0
+
+
+def test_slots_are_proposed_wherever_the_surfaces_are() -> None:
+    """Data of axes that are far apart are no scatter, by which the width of slots is guessed."""
+    slotted = Effect("link_slotting", {"slot_us": 1000.0, "phase_deg": 130.0})
+    surfaces = FittedDatum({"X": 400.0, "Y": -300.0, "Z": 100.0})
+    (stamps,) = (
+        Rig(STAMPED.nominal, [slotted], surfaces)
+        .play(STAMPED.touches, seed=5, replicates=1)
+        .latch_us
+    )
+    touches = replace(STAMPED.touches, latch_us=stamps)
+
+    proposed = slots(Scene.of(replace(STAMPED, touches=touches)), Change())
+
+    assert any(slot_us == pytest.approx(1000.0, rel=1e-6) for slot_us, _ in proposed)
 
 
 def test_values_that_are_all_the_same_keep_the_period_that_was_guessed() -> None:

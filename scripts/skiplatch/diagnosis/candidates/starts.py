@@ -62,13 +62,14 @@ def later(*usual: Sequence[float]) -> Starts:
 def later_us(scene: Scene, given: Change, *, is_datum_fitted: bool = False) -> tuple[float, float]:
     """Give by how much the sharper touches of the skip path are later than thought: mean, scatter.
 
-    NaN of too few.
+    They scatter about their own surfaces, wherever these are. NaN of too few.
     """
-    late_us, spread_us = _late_us(scene, given, is_datum_fitted=is_datum_fitted)
-    if len(late_us) < FEWEST_STAMPS:
+    beside_datum_us, spread_us = _late_us(scene, given, is_datum_fitted=True)
+    if len(beside_datum_us) < FEWEST_STAMPS:
         return np.nan, np.nan
+    late_us = beside_datum_us if is_datum_fitted else _late_us(scene, given)[0]
     sharp = spread_us <= np.median(spread_us)
-    return float(np.mean(late_us[sharp])), unknown_sigma(late_us, spread_us)
+    return float(np.mean(late_us[sharp])), unknown_sigma(beside_datum_us, spread_us)
 
 
 def unknown_sigma(off: FloatArray, spread: FloatArray) -> float:

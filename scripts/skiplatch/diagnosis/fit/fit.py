@@ -42,7 +42,6 @@ SLACKS = (0.0001, 0.001, 0.01, 0.05, 0.15, 0.4)
 """At which a search for slack begins; the last is the most there is."""
 LOOSE = math.sqrt(SLACKS[-2] * SLACKS[-1])
 """Slack from which on it is nearer to the most than to any other."""
-KEPT_STARTS = 2
 MOST_LEFT = 0.7
 """Of what touches are off by where a shift is large, what it may leave: else slack is scatter."""
 
@@ -272,26 +271,23 @@ def _sharper(target: Target, point: FloatArray, widenings: Sequence[float]) -> F
 
 
 def fit_form(target: Target, begun: Sequence[FloatArray], widenings: Sequence[float]) -> FloatArray:
-    """Climb from starts in which the same parameters are 0; the coarsest stage keeps a few."""
-    points = list(begun)
+    """Climb from the best of starts in which the same parameters are 0, coarse to fine."""
     usual = [widening for widening in widenings if widening == 0.0 or widening >= USUAL]
     further = [widening for widening in widenings if widening < USUAL]
-    coarse: list[FloatArray] = []
+    point, coarse = min(begun, key=lambda start: target(start, usual[0])), None
     for stage, widening in enumerate(usual):
-        kept = KEPT_STARTS if stage == 0 else 1
-        points = sorted(points, key=lambda point: target(point, widening))[:kept]
-        if stage == HOPELESS_AFTER and target(points[0], widening) > (
-            target.without(widening) - HOPELESS
-        ):
+        hopeless = target.without(widening) - HOPELESS if stage == HOPELESS_AFTER else np.inf
+        if target(point, widening) > hopeless:
             break
-        coarse = points if widening == 0.0 else coarse
-        points = [climb(target, point, widening) for point in points]
-    if coarse and len(further) > 1:
-        points = [*points, _sharper(target, coarse[0], further)]
+        coarse = point if widening == 0.0 else None
+        point = climb(target, point, widening)
+    ends = [point]
+    if coarse is not None and len(further) > 1:
+        ends.append(_sharper(target, coarse, further))
     # A start may sit on a peak too sharp to be found from afar.
-    near = min(begun, key=lambda point: target(point, 0.0))
-    if target(near, 0.0) < min(target(point, 0.0) for point in points):
-        points = [*points, near, climb(target, near, widenings[-1])]
-    best = min(points, key=lambda point: target(point, 0.0))
+    near = min(begun, key=lambda start: target(start, 0.0))
+    if target(near, 0.0) < min(target(end, 0.0) for end in ends):
+        ends += [near, climb(target, near, widenings[-1])]
+    best = min(ends, key=lambda end: target(end, 0.0))
     # Where all of some range is as likely, a start may know where in it; a climb ends anywhere.
     return near if target(near, 0.0) <= target(best, 0.0) + target.roughness else best

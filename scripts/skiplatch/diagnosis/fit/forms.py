@@ -43,6 +43,14 @@ def refine(scene: Scene, found: Fit) -> Fit:
     return target.fit(_loosened(target, best))
 
 
+def given_way(scene: Scene, found: Fit) -> Fit:
+    """Let all parameters of effects give way to each other, as far as least squares lead."""
+    start = np.concatenate(found.parameters)
+    target = Target(scene, found.candidates, [start], NOTHING)
+    target.slack = found.slack
+    return target.fit(by_least_squares(target, start))
+
+
 def _sharpened(target: Target, best: FloatArray) -> FloatArray:
     """Climb on with smaller and smaller steps, as long as that is worth it.
 

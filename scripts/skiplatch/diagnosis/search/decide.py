@@ -83,8 +83,7 @@ def _searched(judge: Judge, noticed: Noticed) -> Finding:
     best, pairs = _with_second(judge, best, noticed)
     pairs, others = _from_further_on(judge, pairs, best, noticed), []
     if not pairs or judge.is_scatter(best) or noticed(pairs[0]):
-        # What scatters, needs slack or leaves something may have taken two for one: the next best
-        # may be half.
+        # What scatters, needs slack or leaves something may be two: the next best may be half.
         others = from_next_best(judge, ranked, best, noticed)
         if not pairs or (others and others[0].score > pairs[0].score):
             pairs, others = others, pairs
@@ -103,7 +102,9 @@ def grown(judge: Judge, model: Scored, tried: Sequence[Scored], noticed: Noticed
         if better is not model:
             model = better
             continue
-        further = _from_further_on(judge, _extended(judge, model, noticed(model)), model, noticed)
+        further = _from_further_on(
+            judge, _extended(judge, model, _where(judge, model, noticed)), model, noticed
+        )
         if not further:
             break
         judge.believe_beside(further[0].fit)
@@ -122,6 +123,16 @@ def _asks_for_more(judge: Judge, model: Scored, noticed: Noticed) -> bool:
     Where nothing of it shows, as what comes seldom beside a larger effect, the likelihood tells.
     """
     return bool(noticed(model)) or judge.may_gain(model)
+
+
+def _where(judge: Judge, model: Scored, noticed: Noticed) -> frozenset[str]:
+    """Name streams of which a further effect has to change some: where a model leaves anything.
+
+    And where an effect acts that acts there: it may make up in one for what is off in another.
+    """
+    left = noticed(model)
+    acting = (judge.reaches(model, i) for i in range(len(model.ids)))
+    return left.union(*(streams for streams in acting if streams & left))
 
 
 def finds_any(judge: Judge, noticed: Noticed, likely: Collection[str]) -> bool:
@@ -148,12 +159,12 @@ def _single(judge: Judge, best: Scored, ranked: Sequence[Scored]) -> Finding:
 
 def _with_second(judge: Judge, best: Scored, noticed: Noticed) -> tuple[Scored, list[Scored]]:
     """Extend the best effect: give it, in a better form if its pairs show one, and the pairs."""
-    pairs = _pairs(judge, best, noticed(best))
+    pairs = _pairs(judge, best, _where(judge, best, noticed))
     if not pairs:
         return best, pairs
     again = max((judge.again(pairs[0].fit, i) for i in (0, 1)), key=lambda scored: scored.score)
     if again.score > best.score + BETTER:
-        return again, _pairs(judge, again, noticed(again)) or pairs
+        return again, _pairs(judge, again, _where(judge, again, noticed)) or pairs
     return best, pairs
 
 
@@ -166,7 +177,7 @@ def from_next_best(
     # Scatter hides best what is none, and so does a form that is as far off as can be.
     near.sort(key=lambda single: (single.fit.is_loose, judge.is_scatter(single)))
     for first in near[: BEAM - 1]:
-        pairs = _pairs(judge, first, noticed(first))
+        pairs = _pairs(judge, first, _where(judge, first, noticed))
         if not pairs or pairs[0].score <= best.score + TIED:
             continue
         is_further = _is_further(judge, pairs[0], first, noticed)
@@ -194,7 +205,7 @@ def _pairs(judge: Judge, best: Scored, streams: frozenset[str]) -> list[Scored]:
         stiff = judge.score(replace(best.fit, slack=0.0))
         near = [*pairs[:1], *_stiff(judge.on_top(stiff, streams))]
         models = [(pair, judge.alone(pair, position=1)) for pair in near[:MOST_TURNED]]
-        pairs = _better(pairs, judge.turned(models))
+        return _better([*pairs, *near, *judge.turned(models)])
     return pairs
 
 
@@ -207,7 +218,7 @@ def _extended(judge: Judge, model: Scored, streams: frozenset[str]) -> list[Scor
     if model.fit.slack > 0.0:
         stiff = judge.score(replace(model.fit, slack=0.0))
         near = _stiff(judge.on_top(stiff, streams))[:MOST_TURNED]
-        larger = _better(larger, judge.jointly(near))
+        return _better([*larger, *judge.jointly(near)])
     return larger
 
 
@@ -216,11 +227,12 @@ def _stiff(models: Sequence[Scored]) -> list[Scored]:
     return [model for model in without_twins(models) if model.fit.slack == 0.0]
 
 
-def _better(pairs: Sequence[Scored], others: Sequence[Scored]) -> list[Scored]:
-    """Take the better one of each pair that was fitted twice; by falling score."""
-    by_ids = {pair.ids: pair for pair in others}
-    better = [max(pair, by_ids.get(pair.ids, pair), key=lambda p: p.score) for pair in pairs]
-    return sorted(better, key=lambda pair: -pair.score)
+def _better(models: Iterable[Scored]) -> list[Scored]:
+    """Take the best one of each that was fitted more than once; by falling score."""
+    best: dict[tuple[str, ...], Scored] = {}
+    for model in sorted(models, key=lambda one: -one.score):
+        best.setdefault(model.ids, model)
+    return list(best.values())
 
 
 def _from_further_on(

@@ -9,6 +9,7 @@ from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.density.law import SMALLEST, Law
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.fit.forms import given_way
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality, is_material
 from skiplatch.diagnosis.likelihood.laws import LATTICE, law_under
 from skiplatch.diagnosis.likelihood.likelihood import MISSED, affected, likelihood
@@ -155,9 +156,10 @@ class Scorer:
 
     def promise(self, model: Scored) -> float:
         """Give the score that a model may come to once the others give way to its last effect."""
-        return model.score + by_giving_way(
-            self._fitting, *_last_and_others(self._fitting, model.fit)
-        )
+        moved = self.score(given_way(self._fitting, model.fit))
+        there = max(model, moved, key=lambda scored: scored.score)
+        parts = _last_and_others(self._fitting, there.fit)
+        return there.score + by_giving_way(self._fitting, *parts)
 
     def _acting(self, model: Scored, position: int) -> Change:
         """Give what one effect of a model changes, on the touches that serve fitting."""
