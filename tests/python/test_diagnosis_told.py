@@ -139,6 +139,17 @@ def test_what_is_missing_is_told_of_a_gap_explained_in_part(gaps: list[Gap], wor
     assert ("as far as these touches tell" in headline(diagnosis)) == is_likely
 
 
+@pytest.mark.parametrize(
+    ("far", "words"), [([], ""), ([7], "1 touch far off"), ([7, 9, 12], "3 touches far off")]
+)
+def test_no_gap_is_said_to_be_none_but_for_touches_far_off(far: list[int], words: str) -> None:
+    diagnosis = told(Verdict.NO_GAP, outliers=far)
+
+    for said in (as_text(diagnosis).splitlines()[0], headline(diagnosis)):
+        assert said.startswith("No gap")
+        assert (words in said) == bool(words or "far off" not in said)
+
+
 def test_parameters_of_axes_that_are_not_there_are_not_in_the_document() -> None:
     sizes = {"backlash_um": 3.0, "positive_um": 0.0, "y_excess_ratio": 0.0, "z_excess_ratio": 0.5}
     play = Effect("backlash", sizes)

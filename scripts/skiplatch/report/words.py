@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from skiplatch.diagnosis import Diagnosis, Named, Verdict
 from skiplatch.diagnosis.experiment import Experiment, remarks, touches_table
-from skiplatch.diagnosis.reported.text import nothing_seen
+from skiplatch.diagnosis.reported.text import but_for, nothing_seen
 from skiplatch.diagnosis.reported.where import Place
 from skiplatch.diagnosis.verdict.shrink import Gap
 from skiplatch.latch.text import TITLES
@@ -52,7 +52,8 @@ def headline(diagnosis: Diagnosis) -> str:
     moved = " and ".join(belief.name for belief, _ in diagnosis.moved_far)
     return {
         Verdict.NO_GAP: "No gap: the simulation plays what was recorded"
-        + (f", with another {moved}" if moved else ""),
+        + (f", with another {moved}" if moved else "")
+        + but_for(diagnosis),
         Verdict.EXPLAINED: f"{names} {'explain' if many else 'explains'} the gap",
         Verdict.PARTLY_EXPLAINED: f"{names} {'explain' if many else 'explains'} part of the gap",
         Verdict.UNKNOWN: "There is a gap, and no effect of the catalogue explains it",

@@ -63,7 +63,8 @@ def notes(
     if "backlash" in named and scene.datum_groups is not None:
         found.append(
             "Coordinates whose zero is off by half of the backlash read the same: far in one sense "
-            "and near in the other."
+            "and near in the other. So where a surface lies along its approach is not known, the "
+            "sign of the backlash is not either."
         )
     found += _untold(scene)
     if verdict is Verdict.NO_GAP and scene.datum_groups is not None and scene.datum_u_um is None:

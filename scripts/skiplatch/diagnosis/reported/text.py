@@ -62,13 +62,20 @@ def _verdict_text(diagnosis: Diagnosis) -> str:
     said = VERDICTS[diagnosis.verdict]
     if diagnosis.leaves_nothing_seen:
         said = f"The gap is explained in part: {nothing_seen(diagnosis)}."
-    if diagnosis.verdict is not Verdict.NO_GAP or not diagnosis.moved_far:
+    if diagnosis.verdict is not Verdict.NO_GAP:
         return said
-    beliefs = (
+    beliefs = [
         f"{belief.name} is {number(now)} in place of {number(belief.value)}"
         for belief, now in diagnosis.moved_far
-    )
-    return f"{said[:-1]}, where {' and '.join(beliefs)}."
+    ]
+    where = f", where {' and '.join(beliefs)}" if beliefs else ""
+    return f"{said[:-1]}{where}{but_for(diagnosis)}."
+
+
+def but_for(diagnosis: Diagnosis) -> str:
+    """Say how many touches are far off the rest; nothing where none is."""
+    far = len(diagnosis.outliers)
+    return f", but for {far} touch{'es' if far > 1 else ''} far off" if far else ""
 
 
 def floor_told(diagnosis: Diagnosis) -> str:
