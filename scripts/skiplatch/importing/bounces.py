@@ -1,5 +1,7 @@
 """Edges of a probe: which ones begin a touch, and which are bounces of a contact or a release."""
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray
@@ -22,7 +24,28 @@ def probe_edges(
     return times[begins], brief[begins]
 
 
-def has_within(edges: FloatArray, latches: FloatArray, holdoff_s: float) -> BoolArray:
+def touch_edges(
+    edges: FloatArray, brief: BoolArray, latches: Iterable[FloatArray], holdoff_s: float
+) -> FloatArray:
+    """Keep the edges that begin a touch.
+
+    An edge near one before is no bounce if both have a latch of their own by one and the same
+    output: another output may well latch in between, as a PLC task after a bounce.
+
+    Args:
+        edges: Of the probe, in order; shape (n,).
+        brief: Which of them seem to be bounces of a release; shape (n,).
+        latches: Times of the latches of each output, in order.
+        holdoff_s: How near is near.
+    """
+    kept = np.zeros(len(edges), dtype=bool)
+    for times in latches:
+        some = ~brief | _has_within(edges, times, holdoff_s)
+        kept[some] |= _begins_touch(edges[some], brief[some], times, holdoff_s)
+    return edges[kept]
+
+
+def _has_within(edges: FloatArray, latches: FloatArray, holdoff_s: float) -> BoolArray:
     """Tell the edges that a latch follows within the hold-off."""
     latch = np.append(latches, np.inf)[np.searchsorted(latches, edges, side="left")]
     return np.asarray(latch - edges <= holdoff_s)
@@ -33,11 +56,16 @@ def rested_edges(edges: FloatArray, holdoff_s: float) -> FloatArray:
     return edges[np.diff(edges, prepend=-np.inf) > holdoff_s]
 
 
-def begins_touch(edges: FloatArray, latches: FloatArray, holdoff_s: float) -> BoolArray:
-    """Tell the edges after a pause, and those between a latch of the edge before and their own."""
+def _begins_touch(
+    edges: FloatArray, brief: BoolArray, latches: FloatArray, holdoff_s: float
+) -> BoolArray:
+    """Tell the edges after a pause, and those between a latch of the edge before and their own.
+
+    What seems to be a bounce of a release has no pause before it.
+    """
     if not len(edges):
         return np.zeros(0, dtype=bool)
-    rested = np.diff(edges, prepend=-np.inf) > holdoff_s
+    rested = (np.diff(edges, prepend=-np.inf) > holdoff_s) & ~brief
     before = np.searchsorted(latches, edges, side="left")
     pauses = np.flatnonzero(rested)
     at_next_pause = np.append(before[pauses], len(latches))[np.cumsum(rested)]

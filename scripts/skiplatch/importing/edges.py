@@ -10,7 +10,7 @@ from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath, Kind, Status, Touches
 from skiplatch.errors import InputError, quoted
 from skiplatch.importing.analyser import Capture
-from skiplatch.importing.bounces import begins_touch, has_within, probe_edges, rested_edges
+from skiplatch.importing.bounces import probe_edges, rested_edges, touch_edges
 from skiplatch.importing.edge_channels import Channels, Named, channels_of
 from skiplatch.importing.model import Imported
 from skiplatch.stand_ins import PLAYED
@@ -47,9 +47,7 @@ def read_edges(
     rested = rested_edges(all_edges[~brief], holdoff_s)
     answers = {p: _answers(capture, name, rested) for p, name in names.latches.items()}
     latches = {p: times for p, (times, _) in answers.items()}
-    answered = np.sort(np.concatenate(list(latches.values())))
-    edges = all_edges[~brief | has_within(all_edges, answered, holdoff_s)]
-    edges = edges[begins_touch(edges, answered, holdoff_s)]
+    edges = touch_edges(all_edges, brief, latches.values(), holdoff_s)
     bounces = len(all_edges) - len(edges)
     if not len(edges):
         sense = "falling" if falling else "rising"
