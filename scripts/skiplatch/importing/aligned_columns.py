@@ -1,4 +1,7 @@
-"""Tables whose columns are aligned by spaces, two or more of them between any two."""
+"""Tables whose columns are aligned by spaces, two or more of them between any two.
+
+In lines of numbers alone one space will do: there is no head that could hold one.
+"""
 
 import re
 from collections.abc import Sequence
@@ -6,8 +9,13 @@ from pathlib import Path
 
 from skiplatch.campaign.csv_text import Row
 from skiplatch.errors import InputError
+from skiplatch.numbers import NUMBER
 
 _GAP = re.compile(r"\s{2,}")
+_NUMBER = re.compile(rf"{NUMBER}|[-+]?[0-9]*,[0-9]+")
+"""With a decimal comma too."""
+_THOUSANDS = re.compile(r"[-+]?[0-9]{1,3}(?: [0-9]{3})+(?:[.,][0-9]*)?")
+"""One number in groups of three digits, which a space parts."""
 _ASIDE = re.compile(r"#.*|[-=_ ]*")
 """A comment, a rule, an empty line."""
 
@@ -18,8 +26,12 @@ def without_asides(lines: Sequence[str]) -> list[str]:
 
 
 def aligned_cells(line: str) -> list[str]:
-    """Part a line where it has a gap."""
-    return _GAP.split(line.strip())
+    """Part a line where it has a gap, one of numbers at any space if it has none."""
+    cells = _GAP.split(line.strip())
+    if len(cells) > 1 or _THOUSANDS.fullmatch(cells[0]):
+        return cells
+    words = cells[0].split()
+    return words if all(map(_NUMBER.fullmatch, words)) else cells
 
 
 def aligned_rows(path: Path, lines: Sequence[str], before: int) -> tuple[list[Row], list[str]]:

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping
 
+from skiplatch.importing import height_maps
 from skiplatch.importing.duet_touches import STOPPED
 
 READ: Mapping[str, re.Pattern[str]] = {
@@ -13,7 +14,11 @@ READ: Mapping[str, re.Pattern[str]] = {
         re.IGNORECASE,
     ),
     "marlin": re.compile(rf"(?<!\d)\d{{1,6}} of \d{{1,6}}:?\s*z:|(?i:Bed X:)|{STOPPED}"),
-    "linuxcnc": re.compile(r"^\s*(?:-?\d+\.\d+\s+){8}-?\d+\.\d+\s*$", re.MULTILINE),
+    "linuxcnc": re.compile(
+        r"^[ \t]*(?:(?:-?\d+\.\d+[ \t]+){8}-?\d+\.\d+"
+        r"|(?:-?\d+\.\d{6}[ \t]+){2}-?\d+\.\d{6})[ \t]*$",
+        re.MULTILINE,
+    ),
 }
 """What a touch looks like in a log that `skiplatch import` reads, by the kind that it is called."""
 _TOUCHES: Mapping[str, re.Pattern[str]] = {
@@ -37,6 +42,8 @@ _TABLE = "a head, such as Z [mm], for import csv --map coordinate_mm=Z --axis Z"
 
 def advice(text: str) -> str:
     """Give what to do with a log of touches that no importer reads; empty where nothing tells."""
+    if height_maps.is_height_map(height_maps.words_of(text)):
+        return height_maps.ADVICE
     if name := _name(text, _TOUCHES):
         how = f"put their coordinates into a table with {_TABLE}"
         return f"touches of {name}, whose logs are not read: {how}"

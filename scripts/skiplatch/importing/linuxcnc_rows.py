@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from skiplatch.errors import InputError
+from skiplatch.importing import height_maps
 from skiplatch.importing.gcode_program import Row
 from skiplatch.importing.log_lines import read_text
 from skiplatch.importing.model import Imported
@@ -75,6 +76,8 @@ def read_rows(path: Path) -> ProbeRows:
         InputError: It cannot be read, or has no row.
     """
     text = read_text(path)
+    if height_maps.is_height_map(height_maps.words_of(text)):
+        raise InputError(path, None, None, height_maps.ADVICE)
     written = [
         _Written(place, line.split(), _values(line.split()))
         for place, line in enumerate(text.splitlines(), start=1)

@@ -7,6 +7,7 @@ from pathlib import Path
 from skiplatch.campaign import COLUMNS
 from skiplatch.campaign.csv_text import Row
 from skiplatch.errors import InputError, quoted
+from skiplatch.importing import height_maps
 from skiplatch.importing.dialects import advice
 from skiplatch.importing.mapped import COORDINATE, Mapped, named_in
 from skiplatch.importing.model import Imported
@@ -95,6 +96,10 @@ def refuse_no_head(path: Path, rows: Sequence[Row], title: Sequence[str]) -> Non
     line, heads = rows[0][0], [head.strip() for head in rows[0][1]]
     if said := advice("\n".join([*title, *heads, *(" ".join(row) for _, row in rows[1:_ROWS])])):
         raise InputError(path, None, None, said)
+    above = [line.split() for line in title if line.strip()]
+    for first in (0, 1):  # the numbers of the columns may have been put above
+        if height_maps.is_height_map([*above, *(row for _, row in rows[first:_ROWS] if any(row))]):
+            raise InputError(path, None, None, height_maps.ADVICE)
     if is_measured(heads):
         expected = "expected a line of heads above the numbers, such as X [mm],Z [mm]"
         expected += ", or columns by number, --map coordinate_mm=3"
