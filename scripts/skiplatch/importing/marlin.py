@@ -18,6 +18,7 @@ from skiplatch.importing.duet_touches import HOMING as DUET_HOMING
 from skiplatch.importing.duet_touches import LEVELLING, Duet, fails, is_false
 from skiplatch.importing.gcode import without_comments
 from skiplatch.importing.log_lines import Line, read_lines, read_text
+from skiplatch.importing.marlin_attempts import Attempts
 from skiplatch.importing.marlin_series import TEST, Series
 from skiplatch.importing.model import Imported
 from skiplatch.numbers import NUMBER, PLAIN
@@ -92,10 +93,12 @@ class _Reader(Console):
         self._is_bed_last = False
         self._series = Series()
         self._duet = Duet()
+        self._attempts = Attempts()
 
     def take(self, line: Line) -> None:
         """Take in a line, without comments."""
         text = without_comments(line.text)
+        self._attempts.take(line)
         self.take_temperatures(text)
         if match := _SAMPLE.search(text):
             self._sample(match, line)
@@ -113,8 +116,9 @@ class _Reader(Console):
         elif self.take_moved(text, _MOVED) or _TEST_ENDS.match(text):
             self._in_test = False
         elif _FAILED.search(text):
-            self.add(None, self._place, line, feed=self.feed)
-            self._series.fails()
+            if self._attempts.fails(line):
+                self.add(None, self._place, line, feed=self.feed)
+                self._series.fails()
         else:
             self._settings(text, line)
             self.has_mesh |= bool(_MESH.search(text))
@@ -124,11 +128,13 @@ class _Reader(Console):
     def _takes_of_duet(self, text: str, line: Line) -> bool:
         """Take a touch of RepRapFirmware, or what tells of the next one."""
         duet, feed = self._duet, self.feed or self._duet.feed
-        if (z := duet.height(text)) is not None or fails(text):
+        if (z := duet.height(text)) is not None:
+            self._attempts.touched()
             self.add(z, duet.place, line, feed=feed)
             return True
-        if is_false(text):
-            self.add(None, duet.place, line, feed=feed, is_false=True)
+        if fails(text) or is_false(text):
+            if self._attempts.fails(line):
+                self.add(None, duet.place, line, feed=feed, is_false=is_false(text))
             return True
         duet.take(text)
         return duet.has_touched and bool(self.take_moved(text, {HOMING: DUET_HOMING} | LEVELLING))
@@ -156,6 +162,7 @@ class _Reader(Console):
     def _sample(self, match: re.Match[str], line: Line) -> None:
         """Take z, with more digits where the running mean gives them."""
         number, z = int(match[1]), float(match[3])
+        self._attempts.touched()
         is_next = self._series.takes(number, int(match[2]), line.number)
         if number == 1:
             self._sum = 0.0
@@ -187,6 +194,7 @@ class _Reader(Console):
         if self._in_test:
             self._place = place
         else:
+            self._attempts.touched()
             self.add(float(match[3]), place, line, feed=self.feed)
         self._is_bed_last = not self._in_test
 
@@ -195,6 +203,7 @@ class _Reader(Console):
         self._series.ends()
         found = self.imported("marlin")
         self._series.say(found)
+        self._attempts.say(found)
         found.known.append("the z of each touch")
         self.say_temperatures(found)
         if self._from_means:
