@@ -14,6 +14,7 @@ from skiplatch.importing.dialects import advice
 from skiplatch.importing.klipper_cartographer import PREFIX, Cartographer
 from skiplatch.importing.klipper_commands import COMMAND, MOVED, PROBE_SPEED, TOOL
 from skiplatch.importing.klipper_config import Config
+from skiplatch.importing.klipper_starts import Starts
 from skiplatch.importing.klipper_torn import PROBE, Lacking, without_torn_end
 from skiplatch.importing.log_lines import Line, read_lines, read_text
 from skiplatch.importing.model import Imported
@@ -77,8 +78,7 @@ class _Reader(Console):
         super().__init__(feed)
         self.has_results = False
         self._options: dict[str, float] = {}
-        self._start_z: float | None = None
-        self._last_z: float | None = None
+        self._starts = Starts()
         self._stats_s: float | None = None
         self._is_config = False
         self._config = Config()
@@ -165,7 +165,8 @@ class _Reader(Console):
     def _command_ends(self) -> None:
         """Forget what was said of a command, as the next one goes by its own words."""
         self._options, self._command_speed = {}, None
-        self._start_z = self._tested_place = None
+        self._starts.command_ends()
+        self._tested_place = None
 
     def _contacts(self, touches: Sequence[float], line: Line) -> None:
         """Take touches by the nozzle, whose speed has no default."""
@@ -185,7 +186,7 @@ class _Reader(Console):
             self._options["speed"] = typed
         self.test_begins()
         self._lacking.begins()
-        self._start_z = float(match[3])
+        self._starts.test_begins(float(match[3]))
         if is_by_contact:  # it says how many readings, each of which takes several touches
             self._options.pop("samples", None)
         self._tested_place = (float(match[1]), float(match[2]))
@@ -197,9 +198,9 @@ class _Reader(Console):
             return
         if self._lacking.sampled == self._options.get("samples"):
             self._command_ends()  # by its number, as a delta prints other X and Y each time
-        self.add(z, (x, y), line, feed=self._speed(), start=self._start(), time_s=self._stats_s)
-        self._start_z, self._last_z, self._last_place = None, z, (x, y)
-        self._tested_place = None
+        start = self._starts.touched(match[0], z, self._options.get("retract"), self._config)
+        self.add(z, (x, y), line, feed=self._speed(), start=start, time_s=self._stats_s)
+        self._last_place, self._tested_place = (x, y), None
         self._lacking.sampled += 1
 
     def _failed(self, line: Line) -> None:
@@ -213,19 +214,12 @@ class _Reader(Console):
             is_false=bool(_FALSE.search(line.text)),
         )
         self._command_ends()
-        self._last_z = None
+        self._starts.failed()
 
     def _distance(self, z: float, place: tuple[float, float], line: Line) -> None:
         """Take what a probe reads that stands still: the bed lies so far below where it stands."""
         self._standing += 1
         self.add(z, place, line, feed=self.feed, time_s=self._stats_s)
-
-    def _start(self) -> float | None:
-        """Give where PROBE_ACCURACY begins, and later so far above the touch before."""
-        retract = self._options.get("retract")  # a tap retracts by itself, and says 0
-        if self._start_z is None and self._last_z is not None and retract:
-            return self._last_z + retract
-        return self._start_z
 
     def _speed(self, default: float | None = _DEFAULT_SPEED_MM_S) -> float | None:
         """Give the feed in mm/min: as asked for, unless the configuration allows Z less."""
@@ -260,6 +254,7 @@ class _Reader(Console):
         self._lacking.ends(self._options.get("samples"), "at the end")
         found = self.imported("klipper")
         self._lacking.say(found)
+        self._starts.say(found)
         self._cartographer.say(found)
         self._feeds(found)
         self._config.put_into(found)

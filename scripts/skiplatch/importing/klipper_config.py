@@ -36,11 +36,20 @@ class Config:
 
     def probing_speed(self) -> float | None:
         """Give the speed of the probe in mm/s."""
-        for (section, name), value in self._entries.items():
-            is_probe = section.split()[:1] and section.split()[0] in _PROBES
-            if name == "speed" and is_probe and _WHOLE.fullmatch(value):
-                return float(value)
-        return None
+        return next(iter(self._of_probes("speed")), None)
+
+    def z_offset(self) -> float | None:
+        """Give how far below the nozzle the probe triggers, in mm; None where probes differ."""
+        told = set(self._of_probes("z_offset"))
+        return told.pop() if len(told) == 1 else None
+
+    def _of_probes(self, wanted: str) -> list[float]:
+        """Give the numbers of a name in sections of probes."""
+        return [
+            float(value)
+            for (section, name), value in self._entries.items()
+            if name == wanted and section.partition(" ")[0] in _PROBES and _WHOLE.fullmatch(value)
+        ]
 
     def fastest_z(self) -> tuple[float, str] | None:
         """Give how fast Z may move in mm/s, and what says so."""
