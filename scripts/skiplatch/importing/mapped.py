@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from skiplatch.campaign import COLUMNS
+from skiplatch.campaign import COLUMNS, Axis
 from skiplatch.campaign.columns import is_thermometer
 from skiplatch.campaign.time_stamps import TIME_NAME
 from skiplatch.errors import InputError, hint, quoted
@@ -84,6 +84,12 @@ def unit_of(column: str) -> str:
     if column == COORDINATE:
         return "mm"
     return "°C" if is_thermometer(column) else COLUMNS[column].unit if column in COLUMNS else ""
+
+
+def axis_named(mapped: Sequence[Mapped]) -> str | None:
+    """Give the axis whose name the coordinates have for a head, as in ``X`` or ``X [mm]``."""
+    names = (m.name.strip().upper() for m in mapped if m.column == COORDINATE)
+    return next((name for name in names if name in Axis.__members__), None)
 
 
 def named_in(heads: list[str], m: Mapped) -> list[Mapped]:

@@ -19,6 +19,7 @@ from skiplatch.importing.mapped import (
     COORDINATE,
     DATE,
     Mapped,
+    axis_named,
     in_table,
     named_in,
     refuse_twice,
@@ -77,7 +78,8 @@ def read_table(
         path: The table.
         mapped: Which of its columns are which.
         kind: Of the campaign.
-        axis: Where no column says it; None: X and Y by azimuths, else Z.
+        axis: Where no column says it; None: as the head of the coordinates names it, else X and Y
+            by azimuths, else Z.
         sign: Likewise.
         feed: Likewise, in mm/min.
 
@@ -108,6 +110,7 @@ def read_table(
         if m.column not in (TIME_NAME, DATE)
     }
     _leave_out_ends(found, columns)
+    axis = axis or _axis_by_head(found, columns, mapped)
     probed = axis or USUAL_AXIS
     found.lines = [line for line, _ in body]
     if not body:
@@ -190,6 +193,16 @@ def _without_senses(cells: list[str], m: Mapped, found: Imported) -> list[str]:
     if bare != [cell.strip() for cell in cells]:
         found.known.append(f"axes from {quoted(m.head)}, whose senses --map sign={m.head} takes")
     return bare
+
+
+def _axis_by_head(
+    found: Imported, columns: Mapping[str, FloatArray], mapped: Sequence[Mapped]
+) -> str | None:
+    """Give the axis that the head of the coordinates names, where no column tells it."""
+    axis = None if "axis" in columns else axis_named(mapped)
+    if axis:
+        found.assume(f"{axis} probed, as the head of {COORDINATE} names it", "--axis")
+    return axis
 
 
 def _from_coordinates(
