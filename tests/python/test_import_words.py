@@ -89,3 +89,32 @@ def test_comma_of_a_word_that_may_part_thousands_is_refused(
     said = refused("import", "csv", str(tmp_path / "d.txt"), *MAPPED, "-o", str(tmp_path / "c"))
 
     assert 'd.txt:1: "1,250" may be 1250 or 1.250' in said
+
+
+@pytest.mark.parametrize("between", ["; ", ", ", "  "])
+@pytest.mark.parametrize("title", ["", "MESSUNG STIRNFLÄCHE  Größe in mm\nDATUM: 12.03.2024\n"])
+def test_time_of_day_is_a_word(tmp_path: Path, between: str, title: str) -> None:
+    rows = [
+        ("NR =   1", "X =   25,0064", "F = 100", "ZEIT = 23:59:31"),
+        ("NR =   2", "X =   25,0263", "F = 500", "ZEIT = 00:00:01,5"),
+    ]
+    text = title + "".join(f"{between.join(row)}\r\n" for row in rows)
+    (tmp_path / "d.a").write_bytes(text.encode("cp1252"))
+
+    run = Run(tmp_path, "csv", str(tmp_path / "d.a"), *MAPPED, "--map", "time=ZEIT")
+
+    assert run.coordinates() == [25.0064, 25.0263]
+    assert run.campaign.touches.time_s.tolist() == [0.0, 30.5]
+
+
+def test_date_is_a_word_beside_a_time_of_day(tmp_path: Path) -> None:
+    rows = (
+        f"X = 25,0{digit} F = 100 TAG = {day}.03.2024 ZEIT = 08:00:00\n"
+        for digit, day in ((1, 12), (2, 14))
+    )
+    (tmp_path / "d.a").write_text("".join(rows))
+
+    maps = ("--map", "time=ZEIT", "--map", "date=TAG")
+    run = Run(tmp_path, "csv", str(tmp_path / "d.a"), *MAPPED, *maps)
+
+    assert run.campaign.touches.time_s.tolist() == [0.0, 2 * 86_400.0]

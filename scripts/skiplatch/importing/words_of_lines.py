@@ -10,7 +10,9 @@ from skiplatch.campaign.csv_text import Row
 from skiplatch.errors import InputError, quoted
 
 _NUMBER = r"(?:[-+]\s*)?(?:[0-9]+(?:\.[0-9]*|,[0-9]+)?|\.[0-9]+)"
-_WORD = re.compile(rf"([A-Z]+)\s*(?:=\s*)?({_NUMBER})[\s,;]*", re.IGNORECASE)
+_MOMENT = r"[0-9]{1,2}:[0-9]{2}(?::[0-9]{2}(?:[.,][0-9]+)?)?|[0-9]{1,2}\.[0-9]{1,2}\.[0-9]{4}"
+"""A time of day, or a date with points."""
+_WORD = re.compile(rf"([A-Z]+)\s*(?:=\s*)?({_MOMENT}|{_NUMBER})[\s,;]*", re.IGNORECASE)
 _LINE = re.compile(rf"\s*(?:{_WORD.pattern})+", re.IGNORECASE)
 _ASIDE = re.compile(r"%|\(.*\)|[;#].*|[-=_*]{3,}|")
 """What tells nothing: the ends of a tape, comments, rules, empty lines."""
