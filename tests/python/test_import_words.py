@@ -118,3 +118,13 @@ def test_date_is_a_word_beside_a_time_of_day(tmp_path: Path) -> None:
     run = Run(tmp_path, "csv", str(tmp_path / "d.a"), *MAPPED, *maps)
 
     assert run.campaign.touches.time_s.tolist() == [0.0, 2 * 86_400.0]
+
+
+def test_codes_of_a_punch_are_passed_over_wherever_they_stand(tmp_path: Path) -> None:
+    lines = ("\x12%", "X 25.0064 F 100.", "%\x14\x12%", "X 25.0263 F 500.", "%\x14", "\x7f")
+    (tmp_path / "d.txt").write_text("\r\n".join(lines))
+
+    run = Run(tmp_path, "csv", str(tmp_path / "d.txt"), *MAPPED)
+
+    assert run.coordinates() == [25.0064, 25.0263]
+    assert not any("lines b" in line for line in run.said["could_not_be_read"])

@@ -14,8 +14,9 @@ _MOMENT = r"[0-9]{1,2}:[0-9]{2}(?::[0-9]{2}(?:[.,][0-9]+)?)?|[0-9]{1,2}\.[0-9]{1
 """A time of day, or a date with points."""
 _WORD = re.compile(rf"([A-Z]+)\s*(?:=\s*)?({_MOMENT}|{_NUMBER})[\s,;]*", re.IGNORECASE)
 _LINE = re.compile(rf"\s*(?:{_WORD.pattern})+", re.IGNORECASE)
-_ASIDE = re.compile(r"%|\(.*\)|[;#].*|[-=_*]{3,}|")
-"""What tells nothing: the ends of a tape, comments, rules, empty lines."""
+_ASIDE = re.compile(r"[%\0-\x1f\x7f]*|\(.*\)|[;#].*|[-=_*]{3,}")
+"""What tells nothing: the ends of a tape with the codes of its punch, comments, rules, empty lines.
+"""
 FEWEST = 2  # lines alike that make a table of what else is in a file
 
 
