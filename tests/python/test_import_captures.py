@@ -329,3 +329,24 @@ def test_capture_without_any_latch_in_time_says_so_and_the_unit(tmp_path: Path) 
 
     said = "none of 2 edges has a latch within 1 s, by times whose unit was assumed"
     assert said in run.said["known"]
+
+
+@pytest.mark.parametrize("head", ["Time [µs]", "Zeit (µs)"])
+def test_unit_and_channels_may_be_in_the_letters_of_windows(tmp_path: Path, head: str) -> None:
+    path = tmp_path / "c.csv"
+    capture(path, head, 1.0)
+    path.write_bytes(path.read_text().replace("probe", "F\u00fchler").encode("cp1252"))
+
+    run = Run(tmp_path, "edges", str(path), "--probe", "F\u00fchler")
+
+    assert waits_us(run) == pytest.approx([8.25, 9.5])
+    said = "no UTF-8: letters beyond ASCII were read as Windows-1252 has them"
+    assert said in run.said["assumed"]
+
+
+def test_capture_in_the_letters_of_windows_is_told_from_other_logs(tmp_path: Path) -> None:
+    path = tmp_path / "c.csv"
+    capture(path, "Time [µs]", 1.0)
+    path.write_bytes(path.read_text().encode("cp1252"))
+
+    assert read_any(path)[0] == "a logic analyser"

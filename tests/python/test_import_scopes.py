@@ -165,7 +165,7 @@ def test_time_without_a_unit_is_taken_for_seconds_and_said(tmp_path: Path) -> No
     ("text", "said"),
     [
         (
-            "x-axis,1\nsecond,Volt\n0.0,0.1\n1e-6,\u221e\n",
+            "x-axis,1\nsecond,Volt\n0.0,0.1\n1e-6,OVER\n",
             ":4: expected a time and voltages of 1 channels",
         ),
         ("0.0,0.1\n1e-6,3.3\n", ":1: expected names of columns, and samples below them"),
@@ -177,3 +177,40 @@ def test_voltages_that_cannot_be_read_are_refused(
     (tmp_path / "c.csv").write_text(text, encoding="utf-8")
 
     assert said in refused("import", "edges", str(tmp_path / "c.csv"), "-o", str(tmp_path / "c"))
+
+
+OVER, BELOW = "\u221e", "-\u221e"
+
+
+def over_range(text: str, least: float) -> str:
+    """Write what is above a voltage as PicoScope does where its range ends there."""
+    lines = []
+    for line in text.splitlines():
+        time, *cells = line.split(",")
+        is_sample = cells and cells[0].replace(".", "").replace("-", "").isdigit()
+        cut = [OVER if is_sample and float(v) > least else v for v in cells]
+        lines.append(",".join([time, *cut]))
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize("least", [3.3, 1.0], ids=["some of the high ones", "all of them"])
+def test_samples_over_the_range_are_high(tmp_path: Path, least: float) -> None:
+    text = over_range(PICO, least)
+    (tmp_path / "c.csv").write_text(text, encoding="utf-8")
+
+    touches = Run(tmp_path, "edges", str(tmp_path / "c.csv")).campaign.touches
+
+    assert OVER in text
+    assert (touches.latch_us - touches.edge_us).tolist() == pytest.approx([LATE] * TOUCHES)
+
+
+def test_samples_below_the_range_are_low(tmp_path: Path) -> None:
+    rows = ["Time,Channel A,Channel B", "(ms),(V),(V)", ""]
+    for i in range(200):
+        a, b = (i % 100 >= start for start in (20, 30))
+        rows.append(f"{i / 1e3},{OVER if a else BELOW},{3.3 if b else BELOW}")
+    (tmp_path / "c.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+
+    touches = Run(tmp_path, "edges", str(tmp_path / "c.csv")).campaign.touches
+
+    assert (touches.latch_us - touches.edge_us).tolist() == pytest.approx([10.0, 10.0])

@@ -12,6 +12,7 @@ from skiplatch.campaign.csv_text import Row, delimiter_of
 from skiplatch.errors import InputError, quoted
 from skiplatch.importing.analyser import RATE, Capture, hertz, only_changes, refuse_times
 from skiplatch.importing.decimal_marks import Marks
+from skiplatch.importing.encodings import is_windows
 from skiplatch.importing.log_lines import read_text
 from skiplatch.importing.units_in_heads import UNITS, bracketed
 from skiplatch.numbers import number
@@ -44,6 +45,7 @@ class Sheet:
         rows: Line number and cells of the others.
         names: Of the channels, in order of their columns; empty where no comment tells them.
         rate_hz: How often was sampled; None where no comment tells it.
+        is_windows: Letters beyond ASCII were read as Windows-1252 has them.
     """
 
     head: list[str]
@@ -51,6 +53,7 @@ class Sheet:
     rows: list[Row]
     names: list[str]
     rate_hz: float | None
+    is_windows: bool = False
 
 
 def read_levels(path: Path, sheet: Sheet) -> Capture:
@@ -88,7 +91,7 @@ def read_sheet(path: Path) -> Sheet:
     Raises:
         InputError: It cannot be read.
     """
-    text = read_text(path)
+    text = read_text(path, or_windows=True)
     lines = [
         (number, line)
         for number, line in enumerate(text.splitlines(), start=1)
@@ -112,6 +115,7 @@ def read_sheet(path: Path) -> Sheet:
         rows=rows[1:],
         names=[name.strip() for name in channels[1].split(",")] if channels else [],
         rate_hz=hertz(path, sampled) if sampled else None,
+        is_windows=not text.isascii() and is_windows(path),
     )
 
 

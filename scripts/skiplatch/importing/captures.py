@@ -4,6 +4,7 @@ import configparser
 import re
 import zipfile
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from skiplatch.errors import InputError, quoted
 from skiplatch.files import foreign_reader
 from skiplatch.importing.analyser import RATE, Capture, hertz, only_changes, refuse_times
 from skiplatch.importing.capture_csv import read_levels, read_sheet
-from skiplatch.importing.encodings import in_utf8
+from skiplatch.importing.encodings import IS_WINDOWS, in_utf8
 from skiplatch.importing.packed import read_member
 from skiplatch.importing.scope_csv import holds_voltages, read_voltages, with_times
 
@@ -42,7 +43,10 @@ def read_capture(path: Path) -> Capture:
 
 def _read_csv(path: Path) -> Capture:
     sheet = with_times(read_sheet(path))
-    return (read_voltages if holds_voltages(sheet) else read_levels)(path, sheet)
+    capture = (read_voltages if holds_voltages(sheet) else read_levels)(path, sheet)
+    if not sheet.is_windows:
+        return capture
+    return replace(capture, assumed=(*capture.assumed, IS_WINDOWS))
 
 
 def _read_vcd(path: Path) -> Capture:

@@ -23,6 +23,9 @@ _COMPRESSED = (b"\x1f\x8b", _ZIP, b"BZh", b"\xfd7zXZ", b"\x28\xb5\x2f\xfd", b"7z
 _OLD_WORKBOOK = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"  # of .xls
 _WORKBOOKS = (".xlsx", ".xlsm", ".xlsb", ".ods")
 _IN_WORKBOOKS = (b"[Content_Types].xml", b"opendocument.spreadsheet")  # of .xlsx and .ods
+UTF8 = "utf-8"
+WINDOWS = "cp1252"
+IS_WINDOWS = "no UTF-8: letters beyond ASCII were read as Windows-1252 has them"
 _COLOURS = re.compile(r"\x1b\[[0-9;]*[mK]")
 _LOOKED_AT = 400  # bytes
 _MOST_ZERO = 0.4  # of the bytes at odd or at even places of text that has two bytes a character
@@ -37,6 +40,21 @@ def marked_encoding(path: Path) -> str | None:
 def encoding_of(data: bytes) -> str | None:
     """Give the encoding that a byte order mark tells; None where there is none."""
     return next((name for mark, name in _MARKS.items() if data.startswith(mark)), None)
+
+
+def unmarked_encoding(data: bytes) -> str:
+    """Give UTF-8, or that of Windows where it is none: many programs know no other."""
+    try:
+        data.decode(UTF8)
+    except UnicodeDecodeError:
+        return WINDOWS
+    return UTF8
+
+
+def is_windows(path: Path) -> bool:
+    """Tell whether a file has no byte order mark and is no UTF-8."""
+    data = path.read_bytes()
+    return encoding_of(data) is None and unmarked_encoding(data) == WINDOWS
 
 
 def without_colours(text: str) -> str:

@@ -103,7 +103,7 @@ def other_kind(path: Path, kind: str) -> str:
 def _text(path: Path) -> str:
     with warnings.catch_warnings():  # whoever reads it warns
         warnings.simplefilter("ignore", CampaignWarning)
-        return read_text(path)
+        return read_text(path, or_windows=True)
 
 
 def is_scope(text: str) -> bool:

@@ -13,7 +13,13 @@ from pathlib import Path
 
 from skiplatch.errors import CampaignWarning, InputError
 from skiplatch.files import failures_named, refuse_special_or_large
-from skiplatch.importing.encodings import encoding_of, refuse_no_text, without_colours
+from skiplatch.importing.encodings import (
+    UTF8,
+    encoding_of,
+    refuse_no_text,
+    unmarked_encoding,
+    without_colours,
+)
 from skiplatch.importing.log_order import is_newest_first
 
 MAX_BYTES = 500 * 2**20
@@ -64,13 +70,18 @@ class Line:
     time_s: float | None
 
 
-def read_text(path: Path, wanted: str = "a log") -> str:
+def read_text(path: Path, wanted: str = "a log", *, or_windows: bool = False) -> str:
     """Read what is `wanted` in any of the usual encodings; lines too long for a touch are blank.
+
+    Args:
+        path: The file.
+        wanted: For messages.
+        or_windows: What is no UTF-8 is in Windows-1252. In logs of a serial line it is noise.
 
     Raises:
         InputError: It cannot be read or is no text of lines.
     """
-    text = without_colours(_decoded(path, wanted))
+    text = without_colours(_decoded(path, wanted, or_windows=or_windows))
     lines = text.splitlines()
     long = [number for number, line in enumerate(lines) if len(line) > MAX_LINE_CHARACTERS]
     if not long:
@@ -85,7 +96,7 @@ def read_text(path: Path, wanted: str = "a log") -> str:
     return "\n".join(lines)
 
 
-def _decoded(path: Path, wanted: str) -> str:
+def _decoded(path: Path, wanted: str, *, or_windows: bool) -> str:
     with failures_named(path, "read"):
         refuse_special_or_large(path, MAX_BYTES)
         data = path.read_bytes()
@@ -96,7 +107,7 @@ def _decoded(path: Path, wanted: str) -> str:
     refuse_no_text(path, data)
     if b"\0" in data[:4096]:
         raise InputError(path, None, None, f"no text: expected {wanted}")
-    return data.decode("utf-8", errors="replace")
+    return data.decode(unmarked_encoding(data) if or_windows else UTF8, errors="replace")
 
 
 def read_lines(path: Path) -> list[Line]:

@@ -26,6 +26,10 @@ MOST_BETWEEN = 0.25  # of the samples, within the hysteresis; noise alone has so
 LEAST_SAMPLES = 5  # that the longer levels last; noise crosses the hysteresis at every other one
 _NOTED = re.compile(rf"(t0|tInc)\s*=\s*({NUMBER})", re.IGNORECASE)
 _VOLTS = re.compile(r"(?<=\d)V$")
+_OVER_RANGE = {"∞": np.inf, "+∞": np.inf, "-∞": -np.inf, "\u2212∞": -np.inf}
+"""How PicoScope writes a voltage that its range does not hold."""
+_BEYOND = 10.0
+"""Of the span of the others: where samples over the range lie if the others alone do not swing."""
 _COUNTS = "sequence"
 _START, _INCREMENT = "start", "increment"  # of a count, as heads name them
 
@@ -67,7 +71,8 @@ def read_voltages(path: Path, sheet: Sheet) -> Capture:
     times, assumed = _times(heads, units, values[:, 0])
     refuse_times(path, times, [line for line, _ in samples])
     changes, said, noise = {}, [], []
-    for name, volts in zip(_names(heads, count), values.T[1:], strict=True):
+    for name, told in zip(_names(heads, count), values.T[1:], strict=True):
+        volts = _in_range(told)
         levels = _levels(volts)
         changes[name] = only_changes(times, levels)
         if _is_noise(volts, levels):
@@ -85,15 +90,19 @@ def _number_or_none(text: str) -> float | None:
         return None
 
 
+def _volts_or_none(text: str) -> float | None:
+    return _OVER_RANGE.get(text.strip(), _number_or_none(text))
+
+
 def _is_sample(row: Sequence[str]) -> bool:
-    return len(row) > 1 and None not in map(_number_or_none, row[:2])
+    return len(row) > 1 and None not in (_number_or_none(row[0]), _volts_or_none(row[1]))
 
 
 def _values(path: Path, samples: Sequence[Row], count: int) -> FloatArray:
     """Give times and voltages, shape (n, 1 + count)."""
     found = []
     for line, row in samples:
-        values = [_number_or_none(cell) for cell in row[: count + 1]]
+        values = [_number_or_none(row[0]), *map(_volts_or_none, row[1 : count + 1])]
         if None in values or len(values) <= count:
             got = quoted(row[values.index(None)]) if None in values else f"{len(values)} cells"
             expected = f"expected a time and voltages of {count} channels, got {got}"
@@ -136,6 +145,20 @@ def _names(heads: Sequence[str], count: int) -> list[str]:
     if len(names) == count == len(set(names)) and all(names):
         return names
     return [f"CH{number}" for number in range(1, count + 1)]
+
+
+def _in_range(volts: FloatArray) -> FloatArray:
+    """Put samples over the range at the extremes of the others, beyond if these do not swing."""
+    is_held = np.isfinite(volts)
+    if is_held.all():
+        return volts
+    held = volts[is_held] if is_held.any() else np.array([0.0, 1.0])
+    low, high = float(held.min()), float(held.max())
+    levels = _levels(held)
+    swings = levels.min() < levels.max() and not _is_noise(held, levels)
+    spare = 0.0 if swings else _BEYOND * ((high - low) or 1.0)
+    placed: FloatArray = np.clip(volts, low - spare, high + spare)
+    return placed
 
 
 def _levels(volts: FloatArray) -> FloatArray:

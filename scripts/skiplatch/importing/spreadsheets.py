@@ -10,18 +10,23 @@ from pathlib import Path
 from skiplatch.campaign import KEYS
 from skiplatch.campaign.column_kinds import NumberColumn, tidy
 from skiplatch.campaign.constraints import INSTANT_US
-from skiplatch.campaign.csv_text import MAX_BYTES, UTF8, Row, cells_of, first_lines, read_rows
+from skiplatch.campaign.csv_text import MAX_BYTES, Row, cells_of, first_lines, read_rows
 from skiplatch.errors import InputError, quoted
 from skiplatch.files import failures_named, refuse_special_or_large
 from skiplatch.importing.aligned_columns import aligned_cells, aligned_rows, without_asides
 from skiplatch.importing.decimal_marks import Marks
-from skiplatch.importing.encodings import encoding_of, refuse_no_text
+from skiplatch.importing.encodings import (
+    IS_WINDOWS,
+    WINDOWS,
+    encoding_of,
+    refuse_no_text,
+    unmarked_encoding,
+)
 from skiplatch.importing.markdown_tables import is_markdown, markdown_rows
 from skiplatch.importing.model import Imported
 from skiplatch.importing.named_lines import NAMED
 from skiplatch.importing.words_of_lines import is_of_words, word_table
 
-WINDOWS = "cp1252"
 MOST_BEFORE_TABLE = 60  # lines of a title, an instrument, an operator
 _PLAIN = re.compile(r"[+-]?[0-9]+[.,]?([0-9]*)$")
 _WORD = re.compile(r"\s*[^\W\d_]")
@@ -62,9 +67,7 @@ class Spreadsheet:
     def say(self, found: Imported) -> None:
         """Say what the table does not name itself, and what of it was passed over."""
         if self.encoding == WINDOWS:
-            found.assumed.append(
-                "no UTF-8: letters beyond ASCII were read as Windows-1252 has them"
-            )
+            found.assumed.append(IS_WINDOWS)
         if self.marks.thousands:
             first = self.marks.thousands[0]
             whole = first.replace(".", "").replace(",", "")
@@ -214,8 +217,4 @@ def _encoding(path: Path) -> str:
     if encoding := encoding_of(data):
         return encoding
     refuse_no_text(path, data)
-    try:
-        data.decode(UTF8)
-    except UnicodeDecodeError:
-        return WINDOWS
-    return UTF8
+    return unmarked_encoding(data)
