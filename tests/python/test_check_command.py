@@ -111,6 +111,21 @@ def test_clock_that_runs_backwards_is_told_with_its_touches(bench_sample: Path) 
     assert any(line.startswith("latch_us lies before edge_us: touch") for line in found)
 
 
+def test_times_that_run_backwards_are_told_once(bench_sample: Path) -> None:
+    campaign = read_campaign(bench_sample)
+
+    def turned(touches: Touches) -> Touches:
+        skip = touches.select(touches.on_skip).in_order_of_time()
+        rows = np.arange(len(skip))
+        rows[5], rows[6] = 6, 5
+        return skip.select(rows)
+
+    touch = turned(campaign.touches).touch[6]
+    said = "time_s runs backwards from row to row; touches are taken in order of time"
+    assert f"{said}: touch {touch}" in lines(campaign, turned)
+    assert not any(said in line for line in lines(campaign, Touches.in_order_of_time))
+
+
 def test_paths_that_latch_the_same_edges_have_an_order_each(bench_sample: Path) -> None:
     touches = read_campaign(bench_sample).touches.in_order_of_time()
     n = len(touches) // 2 * 2

@@ -138,3 +138,14 @@ def test_dates_that_are_none_are_refused(
     table = dated(tmp_path, "Datum;Uhrzeit", stamp, stamp)
 
     assert said in refused("import", "csv", table, *maps, *MAPS, "-o", tmp_path / "c")
+
+
+def test_times_that_run_backwards_are_said_to_be_odd(tmp_path: Path) -> None:
+    rows = ("3,0.1", "1,0.2", "0.5,0.3", "7,-0.1")
+    (tmp_path / "t.csv").write_text("t [s],dev [um]\n" + "\n".join(rows) + "\n")
+    maps = ("--map", "time_s=t [s]", "--map", "deviation_um=dev [um]", "--axis", "Z")
+
+    run = Run(tmp_path, "csv", str(tmp_path / "t.csv"), *maps, "--feed", "100")
+
+    (said,) = (line for line in run.said["odd"] if line.startswith("time_s"))
+    assert said.endswith("touches are taken in order of time: touches 1, 2")

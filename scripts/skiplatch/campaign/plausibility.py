@@ -129,6 +129,25 @@ def _order_of_stamps(campaign: Campaign) -> Iterator[Oddity]:
             yield Oddity(f"{early} lies before {late}", serials(touches, wrong))
 
 
+def _times_backwards(campaign: Campaign) -> Iterator[Oddity]:
+    """Tell times before that of a touch above, in its session and path: they are taken first."""
+    touches = campaign.touches
+    known = np.flatnonzero(np.isfinite(touches.time_s))
+    if "time_s" in campaign.stood_in or not len(known):
+        return
+    streams = np.column_stack([touches.session, touches.path])[known]
+    _, stream = np.unique(streams, axis=0, return_inverse=True)
+    stream = stream.ravel()
+    in_streams = known[np.argsort(stream, kind="stable")]
+    back = np.zeros(len(touches), dtype=bool)
+    for rows in np.split(in_streams, np.cumsum(np.bincount(stream))[:-1]):
+        times_s = touches.time_s[rows]
+        back[rows] = times_s < np.maximum.accumulate(times_s)
+    if back.any():
+        what = "time_s runs backwards from row to row; touches are taken in order of time"
+        yield Oddity(what, serials(touches, back))
+
+
 def _backwards(campaign: Campaign) -> Iterator[Oddity]:
     """Tell stamps that go back; of one edge that both paths latch, either may come first."""
     ordered = campaign.touches.in_order_of_time()
@@ -221,6 +240,7 @@ RULES: tuple[Rule, ...] = (
     far_from_the_others,
     lambda campaign: surfaces_apart(campaign.touches),
     _order_of_stamps,
+    _times_backwards,
     _backwards,
     _equal_stamps,
     _no_scatter,
