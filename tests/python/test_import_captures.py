@@ -350,3 +350,14 @@ def test_capture_in_the_letters_of_windows_is_told_from_other_logs(tmp_path: Pat
     path.write_bytes(path.read_text().encode("cp1252"))
 
     assert read_any(path)[0] == "a logic analyser"
+
+
+def test_export_of_twincat_is_called_one(tmp_path: Path, refused: Program) -> None:
+    above = "Name\tYT Scope Project\n\nName\tbProbe\tName\tbLatch\n"
+    above += "SampleTime[ms]\t1\tSampleTime[ms]\t1\n\n"
+    rows = "".join(f"{i},0\t{i % 2}\t{i},0\t{i % 2}\n" for i in range(9))
+    (tmp_path / "c.csv").write_text(above + rows)
+
+    said = refused("import", "edges", tmp_path / "c.csv", "--probe", "bProbe", "-o", tmp_path / "x")
+
+    assert "c.csv: an export of TwinCAT Scope, with times for each channel, is not read" in said

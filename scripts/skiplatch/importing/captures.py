@@ -15,13 +15,14 @@ from skiplatch.arrays import FloatArray
 from skiplatch.errors import InputError, quoted
 from skiplatch.files import foreign_reader
 from skiplatch.importing.analyser import RATE, Capture, hertz, only_changes, refuse_times
-from skiplatch.importing.capture_csv import read_levels, read_sheet
+from skiplatch.importing.capture_csv import Sheet, read_levels, read_sheet
 from skiplatch.importing.encodings import IS_WINDOWS, in_utf8
 from skiplatch.importing.packed import read_member
 from skiplatch.importing.scope_csv import holds_voltages, read_voltages, with_times
 
 MOST_BYTES = 2 * 2**30
 MOST_METADATA = 2**20
+_HEAD_OF_TWINCAT = 60  # lines, in which it tells of each channel
 MOST_TICKS = 2**63
 _RATE = re.compile(RATE, re.IGNORECASE)
 _ACQUIRED = re.compile(f"Acquisition with .* at {RATE}", re.IGNORECASE)
@@ -42,11 +43,24 @@ def read_capture(path: Path) -> Capture:
 
 
 def _read_csv(path: Path) -> Capture:
-    sheet = with_times(read_sheet(path))
+    sheet = read_sheet(path)
+    _refuse_twincat(path, sheet)
+    sheet = with_times(sheet)
     capture = (read_voltages if holds_voltages(sheet) else read_levels)(path, sheet)
     if not sheet.is_windows:
         return capture
     return replace(capture, assumed=(*capture.assumed, IS_WINDOWS))
+
+
+def _refuse_twincat(path: Path, sheet: Sheet) -> None:
+    """Refuse an export of TwinCAT Scope, in which each channel has times of its own."""
+    above = (row[0] for _, row in sheet.rows[:_HEAD_OF_TWINCAT] if row)
+    if any(cell.startswith("SampleTime[") for cell in above):
+        message = (
+            "an export of TwinCAT Scope, with times for each channel, is not read: write one "
+            'column "Time [ms]" and one of 0 and 1 for each channel'
+        )
+        raise InputError(path, None, None, message)
 
 
 def _read_vcd(path: Path) -> Capture:
