@@ -286,7 +286,7 @@ def test_klipper_makes_each_touch_a_series_of_one(tmp_path: Path) -> None:
             options = f"samples=1 retract={retract:.3f} speed={speed:.1f} lift_speed=5.0"
             said += f"PROBE_ACCURACY at X:10.000 Y:20.000 Z:{at:.3f} ({options})\n"
             z = -7.25 - speed * 3.0 / 1e3
-            said += f"probe: at 10.000,20.000 bed will contact at z={z:.6f}\n"
+            said += f"probe at 10.000,20.000 is z={z:.6f}\n"
     (tmp_path / "klippy.log").write_text(said)
 
     made = imported(["klipper", str(tmp_path / "klippy.log")], tmp_path).touches
