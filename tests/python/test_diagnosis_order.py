@@ -152,7 +152,7 @@ def test_slack_does_not_stand_for_a_further_effect() -> None:
     with_slack, hold = scored(STEPS, LATE, LAG, nats=310.0), scored(STEPS, LATE, HOLD, nats=400.0)
     judge = cast(Judge, Slackened(with_slack, hold))
 
-    assert _extended(judge, model, frozenset())[0] is hold
+    assert _extended(judge, model, lambda _model: frozenset())[0] is hold
 
 
 class Turning(Slackened):
@@ -170,7 +170,7 @@ def test_a_pair_without_slack_stays_where_searching_it_the_other_way_round_ends_
     first = replace(first, fit=replace(first.fit, slack=0.4))
     with_slack, hold = scored(STEPS, LAG, nats=310.0), scored(STEPS, HOLD, nats=400.0)
 
-    found = _pairs(cast(Judge, Turning(with_slack, hold)), first, frozenset())
+    found = _pairs(cast(Judge, Turning(with_slack, hold)), first, lambda _model: frozenset())
 
     assert found[0] is hold
     assert [pair.ids for pair in found] == [hold.ids, with_slack.ids]

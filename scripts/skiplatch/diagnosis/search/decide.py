@@ -102,9 +102,7 @@ def grown(judge: Judge, model: Scored, tried: Sequence[Scored], noticed: Noticed
         if better is not model:
             model = better
             continue
-        further = _from_further_on(
-            judge, _extended(judge, model, _where(judge, model, noticed)), model, noticed
-        )
+        further = _from_further_on(judge, _extended(judge, model, noticed), model, noticed)
         if not further:
             break
         judge.believe_beside(further[0].fit)
@@ -159,12 +157,12 @@ def _single(judge: Judge, best: Scored, ranked: Sequence[Scored]) -> Finding:
 
 def _with_second(judge: Judge, best: Scored, noticed: Noticed) -> tuple[Scored, list[Scored]]:
     """Extend the best effect: give it, in a better form if its pairs show one, and the pairs."""
-    pairs = _pairs(judge, best, _where(judge, best, noticed))
+    pairs = _pairs(judge, best, noticed)
     if not pairs:
         return best, pairs
     again = max((judge.again(pairs[0].fit, i) for i in (0, 1)), key=lambda scored: scored.score)
     if again.score > best.score + BETTER:
-        return again, _pairs(judge, again, _where(judge, again, noticed)) or pairs
+        return again, _pairs(judge, again, noticed) or pairs
     return best, pairs
 
 
@@ -177,7 +175,7 @@ def from_next_best(
     # Scatter hides best what is none, and so does a form that is as far off as can be.
     near.sort(key=lambda single: (single.fit.is_loose, judge.is_scatter(single)))
     for first in near[: BEAM - 1]:
-        pairs = _pairs(judge, first, _where(judge, first, noticed))
+        pairs = _pairs(judge, first, noticed)
         if not pairs or pairs[0].score <= best.score + TIED:
             continue
         is_further = _is_further(judge, pairs[0], first, noticed)
@@ -195,11 +193,12 @@ def _passes_in_any_order(judge: Judge, pair: Scored, best: Scored, noticed: Noti
     return _is_further(judge, judge.score(turned), best, noticed)
 
 
-def _pairs(judge: Judge, best: Scored, streams: frozenset[str]) -> list[Scored]:
+def _pairs(judge: Judge, best: Scored, noticed: Noticed) -> list[Scored]:
     """Search further effects of one, with and without the slack that it has alone.
 
     That may stand for the further one, which then gains nothing beside it, if the two need none.
     """
+    streams = _where(judge, best, noticed)
     pairs = judge.pairs(best, streams)
     if best.fit.slack > 0.0:
         stiff = judge.score(replace(best.fit, slack=0.0))
@@ -209,11 +208,12 @@ def _pairs(judge: Judge, best: Scored, streams: frozenset[str]) -> list[Scored]:
     return pairs
 
 
-def _extended(judge: Judge, model: Scored, streams: frozenset[str]) -> list[Scored]:
+def _extended(judge: Judge, model: Scored, noticed: Noticed) -> list[Scored]:
     """Search a further effect of several, with and without the slack that they have.
 
     That may stand for the further one, which then gains nothing beside it.
     """
+    streams = _where(judge, model, noticed)
     larger = judge.pairs(model, streams)
     if model.fit.slack > 0.0:
         stiff = judge.score(replace(model.fit, slack=0.0))
