@@ -59,6 +59,10 @@ def _sizes(names: tuple[str, ...], effect: Effect) -> np.ndarray:
         (Evidence(chance=[OF_LATCH], after=[OF_REPORT]), "report_delay"),
         (Evidence(at_limit=["report_delay.delay_us"]), "isr_latency"),
         (Evidence(vague=["isr_latency"]), "report_delay"),
+        (
+            Evidence(beyond_wandering={"isr_latency": 3.0, "report_delay": 90.0}, after=[OF_LATCH]),
+            "report_delay",
+        ),
         (Evidence(everywhere={"latch_after_edge_us": gap(0.9, tightness=0.1)}), "report_delay"),
         (Evidence(gaps={"deviation_um": gap(0.9, tightness=0.1)}), "report_delay"),
         (Evidence(everywhere={"report_after_latch_us": GROWING}), "isr_latency"),

@@ -47,12 +47,18 @@ LEVELS = {
     "undoes_nothing": 0.2,
     "is_as_wide": 0.5,
     "gains_as_much": 2.0 / 3.0,
+    "is_no_wandering": 15.0,
     "seen_enough": 6.0,
     "few_false": 1.0,
     "believed_leaves_nothing": SIGNIFICANT,
     "believed_few_outliers": 0.05,
 }
 """Thresholds that are meant, by rule; the others are of yes and no."""
+
+
+def leaving_beside_what_is_slow(nats: float) -> Evidence:
+    slow = {"backlash": 80.0, "thermal_drift": nats}
+    return Evidence(beyond_wandering=slow, after=[left(20.0, "time", relative=4.0)])
 
 
 def shrinking_by(low: float) -> Evidence:
@@ -130,6 +136,10 @@ SIDES: Mapping[str, tuple[Change, Change]] = {
     "gains_as_much": (
         lambda level: Evidence(gains={"backlash": 3.5, "isr_latency": level}),
         lambda level: Evidence(gains={"backlash": 1.0, "isr_latency": level - A_BIT}),
+    ),
+    "is_no_wandering": (
+        leaving_beside_what_is_slow,
+        lambda level: leaving_beside_what_is_slow(level - A_BIT),
     ),
     "is_as_wide": (
         lambda level: Evidence(gaps=gaps(gap(0.9, tightness=level))),

@@ -94,10 +94,10 @@ def _linearised(
     for name in sorted((ridge.reached & scene.streams.keys()) - {LATTICE}):
         stream = scene.streams[name]
         law = law_under(scene, stream, change)
-        weights = _weights(stream, law)[:, None]
+        weights = weights_of(stream, law)[:, None]
         here = _off(scene, name, change)
         shifts = np.transpose([here - _off(there, name, other) for there, other in moved]) / steps
-        surfaces = weights * _surfaces(scene, stream)
+        surfaces = weights * surfaces_of(scene, stream)
         slopes.append(_beyond(surfaces, weights * shifts))
         off.append(_beyond(surfaces, weights[:, 0] * here))
     return np.vstack(slopes), np.concatenate(off)
@@ -125,14 +125,14 @@ def _moved(values: FloatArray, index: int, step: float) -> FloatArray:
     return moved
 
 
-def _weights(stream: Stream, law: Law) -> FloatArray:
+def weights_of(stream: Stream, law: Law) -> FloatArray:
     """Weigh the touches of a stream, shape (m,): those far off, as scatter goes, pull no harder."""
     off, spread = np.abs(stream.residuals - law.mean)[stream.rows], law.spread[stream.rows]
     far = CALM * np.maximum(spread, np.median(off) if len(off) else 0.0)
     return np.asarray(1.0 / spread / np.sqrt(np.maximum(off / far, 1.0)))
 
 
-def _surfaces(scene: Scene, stream: Stream) -> FloatArray:
+def surfaces_of(scene: Scene, stream: Stream) -> FloatArray:
     """Give by how much each unknown datum shifts touches; shape (m, d)."""
     if scene.datum_groups is None:
         return np.zeros((int(stream.rows.sum()), 0))

@@ -21,13 +21,15 @@ from skiplatch.diagnosis.verdict.accidents import fall_to_either_side, may_be_ac
 from skiplatch.diagnosis.verdict.chance import chance_of, is_chancy
 from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.gains import nats_of, shares_gained
+from skiplatch.diagnosis.verdict.gap_rules import shrinks_for_certain
 from skiplatch.diagnosis.verdict.guilty import without_guilty
 from skiplatch.diagnosis.verdict.hidden import Hidden, could_hide
 from skiplatch.diagnosis.verdict.named import Named, is_vague, named, open_sizes
-from skiplatch.diagnosis.verdict.rules import EXPLAINS, NAMES, Rule, shrinks_for_certain
+from skiplatch.diagnosis.verdict.rules import EXPLAINS, NAMES, Rule
 from skiplatch.diagnosis.verdict.shrink import Gap, PlayedRigs
 from skiplatch.diagnosis.verdict.undoing import undoing
 from skiplatch.diagnosis.verdict.verdict import Verdict, decide, failures, shows_too_little
+from skiplatch.diagnosis.verdict.wandering import beyond_wandering
 from skiplatch.diagnosis.verdict.work import Work, mattering
 from skiplatch.simulator.effects import Effect
 
@@ -184,6 +186,7 @@ def _conclusion(
         is_loose=fit is not None and fit.is_loose,
         nats=_likelier(scene, held_out, believed, rig, fit) if fit else 0.0,
         gains=_gains(work, usual, rig, fit) if fit else {},
+        beyond_wandering=_beyond_wandering(work, rig, fit) if fit and after else {},
         is_confirmed=confirmed is None or confirmed.holds,
         false=int(scene.false.sum()),
         outlying=len(odd),
@@ -224,6 +227,10 @@ def _gains(work: Work, rows: BoolArray, rig: Rig, fit: Fit) -> Mapping[str, floa
     # Plays of less noise than the record has are told better: that is no fault of an effect's.
     noisy = rigs[0], work.as_noisy(rig, settled)
     return shares_gained(work.scene, rows, noisy, settled, seed=work.seed)
+
+
+def _beyond_wandering(work: Work, rig: Rig, fit: Fit) -> Mapping[str, float]:
+    return beyond_wandering(work.scene.with_nominal(rig.nominal), work.settled(fit))
 
 
 def _likelier(scene: Scene, rows: BoolArray, believed: Rig, rig: Rig, fit: Fit) -> float:

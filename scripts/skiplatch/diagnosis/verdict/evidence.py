@@ -30,6 +30,8 @@ class Evidence:
         is_loose: The effects need all the slack there is.
         nats: By how much likelier it makes touches that served neither fitting nor naming.
         gains: What each effect found gains over what it gains on plays of the finding; by its id.
+        beyond_wandering: Nats that effects gain beside something slow that nobody recorded, by id;
+            of those that shift touches by more than a level.
         is_confirmed: Plain simulation of them does better than the believed chain.
         false: Latches without a contact.
         outlying: Touches far off all that the finding plays, or the believed chain.
@@ -55,6 +57,7 @@ class Evidence:
     is_loose: bool = False
     nats: float = 0.0
     gains: Mapping[str, float] = field(default_factory=dict)
+    beyond_wandering: Mapping[str, float] = field(default_factory=dict)
     is_confirmed: bool = True
     false: int = 0
     outlying: int = 0

@@ -12,8 +12,9 @@ from skiplatch.diagnosis.search.decide import Finding
 from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.scored import Noticed, Scored
 from skiplatch.diagnosis.verdict.evidence import Evidence
+from skiplatch.diagnosis.verdict.gap_rules import growing, too_wide
 from skiplatch.diagnosis.verdict.mostly import mostly_left
-from skiplatch.diagnosis.verdict.rules import gains_too_little, growing, told_of_chance, too_wide
+from skiplatch.diagnosis.verdict.rules import gains_too_little, told_of_chance, wandering
 
 SHOWN_IN: Mapping[str, frozenset[str]] = {
     "deviation_um": frozenset((*STREAMS["position"], *STREAMS["latch"])),
@@ -32,10 +33,11 @@ def without_guilty(
 ) -> Finding | None:
     """Take out the effects that speak against a finding themselves.
 
-    They are those that gain too little; or that are at a limit; or that may be almost anything; or
-    that undo each other; or that scatter where their chance can be told, or where the record does
-    so far less; or that change anything at all where much of what there was is left; or the one
-    that is missed least, of those that change what a gap grows in. Where all of them scatter so,
+    They are those that gain too little; or no more than anything slow would; or that are at a
+    limit; or that may be almost anything; or that undo each other; or that scatter where their
+    chance can be told, or where the record does so far less; or that change anything at all where
+    much of what there was is left; or the one that is missed least, of those that change what a gap
+    grows in. Where all of them scatter so,
     whatever else scatters there would stand for the same, and hides what does not.
 
     Args:
@@ -78,8 +80,8 @@ def _scattered(evidence: Evidence) -> frozenset[str]:
 
 def _accused(judge: Judge, model: Scored, evidence: Evidence) -> Iterator[list[int]]:
     """Number the effects of a model that are accused, for one reason after the other."""
-    alone = gains_too_little(evidence), evidence.effects_at_limit, evidence.vague, evidence.undoing
-    for ids in alone:
+    slow_or_small = gains_too_little(evidence), wandering(evidence)
+    for ids in (*slow_or_small, evidence.effects_at_limit, evidence.vague, evidence.undoing):
         yield [i for i, name in enumerate(model.ids) if name in ids]
     for streams, acts in (
         (map(streams_of, told_of_chance(evidence)), judge.scatters),

@@ -4,28 +4,28 @@ A rule looks at the evidence alone: made-up evidence tries it without playing a 
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from skiplatch.diagnosis.plays.left import CHANCE, SIGNIFICANT, Left
+from skiplatch.diagnosis.search.scored import PLAIN
 from skiplatch.diagnosis.verdict.accidents import MOST_OUTLIERS, may_be_accidents
 from skiplatch.diagnosis.verdict.evidence import Evidence
+from skiplatch.diagnosis.verdict.gap_rules import (
+    LEAST_SHRINK,
+    TIGHTEST,
+    grows_nowhere,
+    is_as_wide,
+    listed,
+    shrinks,
+    shrinks_somewhere,
+)
 from skiplatch.diagnosis.verdict.mostly import MOST, mostly_left
-from skiplatch.diagnosis.verdict.shrink import Gap
 from skiplatch.diagnosis.verdict.undoing import UNDONE
 from skiplatch.tables import number
 
-LIKELIER = 7.0
-"""Nats by which touches held out are likelier under a finding than without it from which on that is
-no luck, whatever the touches are: one in a thousand (Wasserman, Ramdas and Balakrishnan, PNAS 117
-(2020) 16880, eq. 6)."""
-LEAST_SHRINK = 0.2  # of a gap that shrinks for certain
 GAINED = 2.0 / 3.0
 """Share of what an effect gains on plays of itself that it has to gain on the record."""
-TIGHTEST = 0.5
-"""How far the record may be off plays of a finding, over how far these are off each other."""
-UNMOVED = 0.1
-"""Share of a gap by which scores of plays differ where effects leave it as it is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,11 +43,6 @@ class Rule:
     threshold: float
     reason: str
     misses: Callable[[Evidence, float], str]
-
-
-def _listed(words: str, names: Sequence[str]) -> str:
-    """Say what was found of some names; nothing where there are none."""
-    return f"{words}: {', '.join(names)}" if names else ""
 
 
 def _seen_enough(evidence: Evidence, threshold: float) -> str:
@@ -71,91 +66,6 @@ def _few_outliers(evidence: Evidence, threshold: float) -> str:
     return f"{far} of {touches} touches are far off all plays{where}{told}: that is no accident"
 
 
-def _clear(gaps: Mapping[str, Gap]) -> Mapping[str, Gap]:
-    return {name: gap for name, gap in gaps.items() if gap.is_clear}
-
-
-def _seen_where(evidence: Evidence, shows: Callable[[Gap], bool]) -> list[str]:
-    """Name the observables whose clear gap shows something, held out or on all touches."""
-    each = (evidence.gaps, evidence.everywhere)
-    return [*{name: None for gaps in each for name, gap in _clear(gaps).items() if shows(gap)}]
-
-
-def _is_left_alone(gap: Gap) -> bool:
-    """Tell whether effects leave a gap as it is that may be luck: of several one often is."""
-    moved = abs(gap.after - gap.before)
-    return gap.may_be_luck and moved <= UNMOVED * (gap.before - gap.noise_floor)
-
-
-def _shrinks(evidence: Evidence, threshold: float) -> str:
-    clear = {n: g for n, g in _clear(evidence.gaps).items() if not _is_left_alone(g)}
-    small = [
-        f"{n} by {g.shrink.low:.0%}" if g.shrink.low > 0.0 else f"{n} not at all"
-        for n, g in clear.items()
-        if g.shrink.low < threshold
-    ]
-    if not clear and not _is_lost_no_more(evidence, threshold):
-        return "no gap is clear enough to tell that all of it is gone"
-    return _listed("the gap shrinks for certain only", small)
-
-
-def _shrinks_somewhere(evidence: Evidence, threshold: float) -> str:
-    is_likelier = _may_shrink_unseen(evidence, threshold) and evidence.nats > LIKELIER
-    if shrinks_for_certain(evidence, threshold) or is_likelier:
-        return ""
-    return f"no gap {'shrinks for certain' if _clear(evidence.gaps) else 'is clear'}"
-
-
-def _may_shrink_unseen(evidence: Evidence, threshold: float) -> bool:
-    """Tell whether a gap may shrink that its score forgives: it does so of what comes by chance.
-
-    One that stays, for certain, speaks against that; one that is larger by luck says nothing.
-    Likelier by all the slack there is, is likelier by the slack, which is no effect.
-    """
-    if evidence.is_loose:
-        return False
-    clear = _clear(evidence.gaps).values()
-    stay = (gap.grows or 0.0 <= gap.shrink.high <= threshold for gap in clear)
-    return evidence.is_chancy and (not clear or not all(stay))
-
-
-def shrinks_for_certain(evidence: Evidence, threshold: float = LEAST_SHRINK) -> bool:
-    """Tell whether some gap shrinks by such a share, or in touches that were missed."""
-    is_clear = any(gap.shrink.low > threshold for gap in _clear(evidence.gaps).values())
-    return is_clear or _is_lost_no_more(evidence, threshold)
-
-
-def _is_lost_no_more(evidence: Evidence, threshold: float) -> bool:
-    """Tell whether more than such a share of a gap in touches that were missed is gone."""
-    return any(_share_gone(evidence, one) > threshold for one in evidence.before if one.is_share)
-
-
-def _share_gone(evidence: Evidence, was: Left) -> float:
-    """Give how much for certain is gone of a gap in a share of touches, as of those missed."""
-    unseen = CHANCE * was.relative / was.z
-    now = max((one.relative for one in evidence.after if one.is_of(was)), default=unseen)
-    return 1.0 - now / was.relative
-
-
-def growing(evidence: Evidence) -> list[str]:
-    """Name the observables whose gap is larger beside a finding than beside the beliefs."""
-    return _seen_where(evidence, lambda gap: gap.grows)
-
-
-def _grows_nowhere(evidence: Evidence, _: float) -> str:
-    return _listed("the gap grows", growing(evidence))
-
-
-def too_wide(evidence: Evidence, threshold: float = TIGHTEST) -> list[str]:
-    """Name the observables that scatter far less in the record than in plays of a finding."""
-    return _seen_where(evidence, lambda gap: gap.tightness < threshold)
-
-
-def _is_as_wide(evidence: Evidence, threshold: float) -> str:
-    wide = too_wide(evidence, threshold)
-    return _listed("what was recorded scatters far less than it plays", wide)
-
-
 def gains_too_little(evidence: Evidence, threshold: float = GAINED) -> list[str]:
     """Give the ids of effects that gain less than they would if they were there."""
     return [name for name, share in evidence.gains.items() if share < threshold]
@@ -165,6 +75,16 @@ def _gains_as_much(evidence: Evidence, threshold: float) -> str:
     for name in gains_too_little(evidence, threshold):
         return f"{name} gains {evidence.gains[name]:.0%} of what it does where it is there"
     return ""
+
+
+def wandering(evidence: Evidence, threshold: float = PLAIN) -> list[str]:
+    """Give the ids of effects that may be something slow, where a finding leaves something."""
+    nats = evidence.beyond_wandering.items() if evidence.after else ()
+    return [name for name, gained in nats if gained < threshold]
+
+
+def _is_no_wandering(evidence: Evidence, threshold: float) -> str:
+    return listed("anything slow does as well as", wandering(evidence, threshold))
 
 
 def _leaves_nothing(evidence: Evidence, threshold: float) -> str:
@@ -177,15 +97,15 @@ def _held_out(evidence: Evidence, _: float) -> str:
 
 
 def _within_limits(evidence: Evidence, _: float) -> str:
-    return _listed("at a limit of its range", evidence.at_limit)
+    return listed("at a limit of its range", evidence.at_limit)
 
 
 def _known(evidence: Evidence, _: float) -> str:
-    return _listed("may be anything in its range", evidence.open)
+    return listed("may be anything in its range", evidence.open)
 
 
 def _is_definite(evidence: Evidence, _: float) -> str:
-    return _listed("most of it may be anything", evidence.vague)
+    return listed("most of it may be anything", evidence.vague)
 
 
 def _has_form(evidence: Evidence, _: float) -> str:
@@ -193,7 +113,7 @@ def _has_form(evidence: Evidence, _: float) -> str:
 
 
 def _undoes_nothing(evidence: Evidence, _: float) -> str:
-    return _listed("each undoes what another one does", evidence.undoing)
+    return listed("each undoes what another one does", evidence.undoing)
 
 
 def _is_confirmed(evidence: Evidence, _: float) -> str:
@@ -217,7 +137,7 @@ def _takes_most(evidence: Evidence, threshold: float) -> str:
 
 
 EXPLAINS: Sequence[Rule] = (
-    Rule("shrinks", 0.8, "a level: what an engineer calls explained; at its lower end", _shrinks),
+    Rule("shrinks", 0.8, "a level: what an engineer calls explained; at its lower end", shrinks),
     Rule(
         "leaves_nothing",
         SIGNIFICANT,
@@ -243,25 +163,31 @@ NAMES: Sequence[Rule] = (
         "shrinks_somewhere",
         LEAST_SHRINK,
         "a level: of something that is named for certain; lower end of the interval",
-        _shrinks_somewhere,
+        shrinks_somewhere,
     ),
     Rule(
         "grows_nowhere",
         0.0,
         "theory: a right name makes no gap larger than its own plays do",
-        _grows_nowhere,
+        grows_nowhere,
     ),
     Rule(
         "is_as_wide",
         TIGHTEST,
         "a level: a right name scatters no more than what was recorded, by its form or by luck",
-        _is_as_wide,
+        is_as_wide,
     ),
     Rule(
         "gains_as_much",
         GAINED,
         "a level: an effect makes the record likelier by what it does for plays of itself",
         _gains_as_much,
+    ),
+    Rule(
+        "is_no_wandering",
+        PLAIN,
+        "theory: what wanders goes with all that is slow; nats that need no check",
+        _is_no_wandering,
     ),
     Rule("within_limits", 0.0, "theory: at an end of its range nothing is found", _within_limits),
     Rule("is_definite", 0.0, "theory: what may be anything says nothing", _is_definite),
