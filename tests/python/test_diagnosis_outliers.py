@@ -9,7 +9,7 @@ import pytest
 
 from played_campaigns import BENCH, MACHINE, played, thinned
 from skiplatch.arrays import BoolArray
-from skiplatch.campaign import Campaign, Touches, read_campaign
+from skiplatch.campaign import Campaign, Status, Touches, read_campaign
 from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.plays.leftover import Beside
 from skiplatch.diagnosis.plays.look import Look
@@ -43,6 +43,31 @@ def test_touches_far_off_are_listed_by_their_numbers(folder: Path) -> None:
     assert numbers != rows.tolist()
 
     assert listed(thrown(campaign, rows)) == numbers
+
+
+def test_latches_without_a_contact_are_accidents_as_well() -> None:
+    campaign = played(MACHINE)
+    touches, rows = campaign.touches, np.array([7, 90, 301])
+    status = touches.status.copy()
+    status[rows] = Status.FALSE
+    shaken = replace(campaign, touches=replace(touches, status=status))
+
+    assert listed(shaken) == touches.touch[rows].tolist()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("share", "verdict"), [(0.03, Verdict.NO_GAP), (0.2, Verdict.UNKNOWN)])
+def test_so_few_latches_without_a_contact_are_no_gap(share: float, verdict: Verdict) -> None:
+    campaign = thinned(played(MACHINE))
+    touches = campaign.touches
+    is_false = np.random.default_rng(2).random(len(touches)) < share
+    status = np.where(is_false, Status.FALSE, touches.status).astype(np.int8)
+
+    found = diagnose(replace(campaign, touches=replace(touches, status=status)), seed=1)
+
+    assert is_false.sum() > 1
+    assert found.verdict is verdict
+    assert set(found.outliers) == (set(touches.touch[is_false]) if share < 0.05 else set())
 
 
 @pytest.mark.parametrize("folder", [MACHINE, BENCH])

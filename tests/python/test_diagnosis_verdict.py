@@ -49,7 +49,6 @@ LEVELS = {
     "gains_as_much": 2.0 / 3.0,
     "is_no_wandering": 15.0,
     "seen_enough": 6.0,
-    "few_false": 1.0,
     "believed_leaves_nothing": SIGNIFICANT,
     "believed_few_outliers": 0.05,
 }
@@ -157,10 +156,6 @@ SIDES: Mapping[str, tuple[Change, Change]] = {
         lambda level: Evidence(hidden=level),
         lambda level: Evidence(hidden=level + A_BIT),
     ),
-    "few_false": (
-        lambda level: Evidence(false=int(level)),
-        lambda level: Evidence(false=int(level) + 1),
-    ),
     "believed_leaves_nothing": (
         leaving,
         lambda level: leaving(level + A_BIT),
@@ -211,7 +206,7 @@ def test_what_evidence_leaves_out_speaks_for_nothing() -> None:
 
     assert failures(list(RULES.values()), evidence) == []
     assert (evidence.hidden, evidence.nats) == (0.0, 0.0)
-    assert (evidence.false, evidence.outlying, evidence.touches) == (0, 0, 0)
+    assert (evidence.outlying, evidence.touches) == (0, 0)
     assert not evidence.is_chancy
     assert not evidence.unreached
 
@@ -379,7 +374,7 @@ def test_nothing_found_and_nothing_left_is_no_gap() -> None:
     ("other", "rule"),
     [
         (replace(NOTHING, after=[left(SIGNIFICANT + 1.0)]), "believed_leaves_nothing"),
-        (replace(NOTHING, false=2), "few_false"),
+        (replace(NOTHING, outlying=6, touches=30), "believed_few_outliers"),
     ],
 )
 def test_a_gap_in_which_nothing_was_found_is_unknown(other: Evidence, rule: str) -> None:

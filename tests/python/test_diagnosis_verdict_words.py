@@ -113,7 +113,6 @@ ARE_FAR_OFF = "40 of 200 touches are far off all plays: that is no accident"
             Evidence(hidden=float("inf")),
             "too few touches were made to tell any noise",
         ),
-        ("few_false", Evidence(false=3), "3 latches without a contact"),
         ("believed_leaves_nothing", LEAVING, IS_LEFT),
         ("believed_few_outliers", FAR_OFF, ARE_FAR_OFF),
     ],

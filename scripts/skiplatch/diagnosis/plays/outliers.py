@@ -1,6 +1,7 @@
 """Touches far off all that their rig plays: they measure no gap, and no finding rests on them.
 
-They are accidents, then, and accidents go with nothing: what tells which touches they are is left.
+They are accidents, then, as latches without a contact are. Accidents go with nothing: what tells
+which touches they are is left.
 """
 
 from collections.abc import Sequence
@@ -45,7 +46,10 @@ class Outliers:
 
 
 def outliers(scene: Scene, rig: Rig, materiality: Materiality = DEFAULT, *, seed: int) -> Outliers:
-    """Find them. Where more than half of all touches are, it is the rig that is off: then none."""
+    """Find them, and latches without a contact, which no rig plays.
+
+    Where more than half of all touches are far off, it is the rig that is off: then none.
+    """
     outcomes = rig.play(scene.touches, seed=seed, replicates=PLAYS)
     rng = np.random.default_rng(seed)
     recorded, played = (
@@ -65,6 +69,7 @@ def outliers(scene: Scene, rig: Rig, materiality: Materiality = DEFAULT, *, seed
         names += [name] if off.any() else []
     if far.mean() > MOST:
         return Outliers()
+    far |= scene.false
     return Outliers(scene.touches.touch[far].tolist(), names, int(beyond.sum()))
 
 

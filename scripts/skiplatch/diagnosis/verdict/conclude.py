@@ -188,7 +188,6 @@ def _conclusion(
         gains=_gains(work, usual, rig, fit) if fit else {},
         beyond_wandering=_beyond_wandering(work, rig, fit) if fit and after else {},
         is_confirmed=confirmed is None or confirmed.holds,
-        false=int(scene.false.sum()),
         outlying=len(odd),
         outlying_in=far_off.observables,
         outlying_with=odd_with,

@@ -33,8 +33,8 @@ class Evidence:
         beyond_wandering: Nats that effects gain beside something slow that nobody recorded, by id;
             of those that shift touches by more than a level.
         is_confirmed: Plain simulation of them does better than the believed chain.
-        false: Latches without a contact.
-        outlying: Touches far off all that the finding plays, or the believed chain.
+        outlying: Touches far off all that the finding plays, or the believed chain, and latches
+            without a contact.
         outlying_in: Observables in which these are.
         outlying_with: What tells which touches these are; empty where chance may.
         touches: All of them.
@@ -59,7 +59,6 @@ class Evidence:
     gains: Mapping[str, float] = field(default_factory=dict)
     beyond_wandering: Mapping[str, float] = field(default_factory=dict)
     is_confirmed: bool = True
-    false: int = 0
     outlying: int = 0
     outlying_in: Sequence[str] = ()
     outlying_with: str = ""

@@ -53,10 +53,6 @@ def _seen_enough(evidence: Evidence, threshold: float) -> str:
     return f"a gap of {number(evidence.hidden, 2)} times the noise could have hidden"
 
 
-def _few_false(evidence: Evidence, threshold: float) -> str:
-    return f"{evidence.false} latches without a contact" if evidence.false > threshold else ""
-
-
 def _few_outliers(evidence: Evidence, threshold: float) -> str:
     far, touches, told = evidence.outlying, evidence.touches, evidence.outlying_with
     if may_be_accidents(far, touches, threshold, told):
@@ -216,7 +212,6 @@ SEES: Sequence[Rule] = (
 )
 """What holds of touches that tell whether there is a gap."""
 HAS_GAP: Sequence[Rule] = (
-    Rule("few_false", 1.0, "theory: two latches without a contact are no accident", _few_false),
     Rule("believed_leaves_nothing", SIGNIFICANT, "a level, as above", _leaves_nothing),
     Rule("believed_few_outliers", MOST_OUTLIERS, "a level, as above", _few_outliers),
 )
