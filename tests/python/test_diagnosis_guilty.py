@@ -20,6 +20,7 @@ from skiplatch.diagnosis.verdict.guilty import SHOWN_IN, without_guilty
 from skiplatch.diagnosis.verdict.named import _at_limit, _unrepeated, _unset
 from skiplatch.diagnosis.verdict.shrink import PlayedRigs
 from skiplatch.simulator.effects import Effect, effects
+from standing_fits import standing
 from verdict_evidence import GROWING, gap, left
 
 LATE = Effect("isr_latency", {"latency_us": 6.0, "jitter_us": 5.0})
@@ -125,6 +126,28 @@ def test_where_all_scatter_what_does_not_is_looked_for() -> None:
     assert found.model.fit.parameters[0][0] == pytest.approx(400.0, rel=0.01)
     tried = {one.ids[-1] for one in found.ranking}
     assert "contact_bounce" in tried  # in its place they may stand
+
+
+@pytest.mark.long
+def test_what_would_stand_for_the_same_does_not_hide_what_is_looked_for_either() -> None:
+    """A delay was taken for masked interrupts; late contacts would stand for it next."""
+    scene = Scene.of(played(BENCH, Effect("isr_latency", {"latency_us": 400.0}), REPORT, seed=3))
+    judge = Judge(scene, split(len(scene), 1))
+    alone = judge.score(standing(scene, REPORT))
+    tried = [one for one in judge.pairs(alone) if judge.scatters(one, 1)]
+    assert {"isr_blocking", "contact_bounce"} <= {one.ids[1] for one in tried}
+    blocking = next(one for one in tried if one.ids[1] == "isr_blocking")
+    told = Evidence(chance=[replace(OF_LATCH, path="skip")])
+
+    def noticed(model: Scored | None) -> frozenset[str]:
+        return frozenset({"latch_skip"}) if model and model.ids == alone.ids else frozenset()
+
+    found = without_guilty(judge, Finding(blocking, ranking=tuple(tried)), told, noticed)
+
+    assert found is not None
+    assert found.model is not None
+    assert found.model.ids == ("report_delay", "isr_latency")
+    assert not {"isr_blocking", "contact_bounce"} & {one.ids[-1] for one in found.ranking}
 
 
 def test_it_is_known_where_each_gap_shows(judged: tuple[Judge, Finding]) -> None:

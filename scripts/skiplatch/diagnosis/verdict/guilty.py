@@ -37,8 +37,8 @@ def without_guilty(
     limit; or that may be almost anything; or that undo each other; or that scatter where their
     chance can be told, or where the record does so far less; or that change anything at all where
     much of what there was is left; or the one that is missed least, of those that change what a gap
-    grows in. Where all of them scatter so,
-    whatever else scatters there would stand for the same, and hides what does not.
+    grows in. Where one scatters so, whatever else scatters there would stand for the same, and hide
+    what does not.
 
     Args:
         judge: Fits what is left of the finding anew.
@@ -52,16 +52,19 @@ def without_guilty(
     model = finding.model
     if model is None:
         return None
+    scattered = _scattered(evidence)
+    hiding = set(_scattering(judge, finding.ranking, scattered)) if noticed else set()
+    are_scattered = [bool(judge.scatters(model, i) & scattered) for i in range(len(model.ids))]
     for guilty in _accused(judge, model, evidence):
         if 0 < len(guilty) < len(model.ids):
-            ids = [model.ids[i] for i in guilty]
+            left_out = {model.ids[i] for i in guilty}
+            if all(are_scattered[i] for i in guilty):
+                left_out |= hiding
             for i in reversed(guilty):
                 model = judge.again_without(model, i)
-            return beyond(judge, model, ids, noticed) if noticed else reduced(judge, model)
-    scattered = _scattered(evidence)
-    if noticed and all(judge.scatters(model, i) & scattered for i in range(len(model.ids))):
-        hiding = {*model.ids, *_scattering(judge, finding.ranking, scattered)}
-        return found_without(judge, hiding, noticed)
+            return beyond(judge, model, left_out, noticed) if noticed else reduced(judge, model)
+    if noticed and all(are_scattered):
+        return found_without(judge, {*model.ids, *hiding}, noticed)
     return None
 
 
