@@ -115,7 +115,7 @@ def _unstated(scene: Scene) -> list[str]:
     scatter_um = scene.nominal.probe.repeatability_um
     if REPEATABILITY not in scene.nominal.unknown or scatter_um == 0.0:
         return []
-    scatter = f"{number(scatter_um, 3)} µm is what touches of one surface scatter by"
+    scatter = f"{number(scatter_um, 3)} µm is what touches scatter by"
     return [f"probe.repeatability_um is not stated: {scatter}. No other scatter is told from it."]
 
 
