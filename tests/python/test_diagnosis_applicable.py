@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 
 from played_campaigns import MACHINE, played_again
-from skiplatch.campaign import Campaign, read_campaign
+from skiplatch.campaign import Campaign, InputPath, read_campaign
+from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.candidates.applicable import shows_lobes
 from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density.change import NOTHING
 from skiplatch.diagnosis.fit.believed import scene_of
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
-from skiplatch.diagnosis.search.tasks import fit_plainly
+from skiplatch.diagnosis.search.groups import TIED
+from skiplatch.diagnosis.search.tasks import fit_in_forms, fit_plainly
 from skiplatch.simulator.effects import Effect
 
 
@@ -31,14 +33,37 @@ def on_four_sides(*elevations_deg: float) -> Campaign:
     return replace(machine, touches=touches)
 
 
-@pytest.mark.parametrize(
-    ("elevations_deg", "are_shown"),
-    [((0.0,), False), ((30.0,), False), ((0.0, 90.0), False), ((0.0, 45.0), True)],
-)
-def test_four_sides_show_lobes_by_how_they_fall_with_the_elevation(
-    elevations_deg: tuple[float, ...], *, are_shown: bool
-) -> None:
-    assert shows_lobes(scene_of(on_four_sides(*elevations_deg))) is are_shown
+@pytest.mark.parametrize(("sides", "are_shown"), [(2, False), (3, False), (4, True)])
+def test_both_senses_of_two_axes_show_lobes(sides: int, *, are_shown: bool) -> None:
+    machine = on_four_sides(0.0)
+    few = machine.touches.select(np.arange(len(machine.touches)) % 4 < sides)
+
+    assert shows_lobes(scene_of(replace(machine, touches=few))) is are_shown
+
+
+def test_lobes_at_four_sides_look_like_backlash() -> None:
+    """By three of anything in a turn, or by a length for each axis: the data are free by axis."""
+    lobes = Effect("pretravel_lobing", {"amplitude_um": 4.0, "azimuth_deg": 20.0})
+    scene = scene_of(played_again(on_four_sides(0.0), lobes))
+
+    def nats(effect_id: str) -> float:
+        found = fit_in_forms((scene, fit_plainly((scene, CANDIDATES[effect_id], NOTHING)), NOTHING))
+        return likelihood(scene, found.change(scene)).total
+
+    assert nats("pretravel_lobing") == pytest.approx(nats("backlash"), abs=TIED)
+
+
+@pytest.mark.long
+def test_what_four_sides_show_is_a_group() -> None:
+    lobes = Effect("pretravel_lobing", {"amplitude_um": 4.0, "azimuth_deg": 20.0})
+
+    machine = on_four_sides(0.0)
+    latched = machine.touches.select(machine.touches.path == InputPath.SKIP)
+    campaign = played_again(replace(machine, touches=latched), lobes)
+
+    (found,) = diagnose(campaign, seed=1).effects
+
+    assert {found.effect.id, *found.alternatives} == {"backlash", "pretravel_lobing"}
 
 
 def test_lobes_that_fall_with_the_elevation_are_no_backlash() -> None:

@@ -11,10 +11,8 @@ from skiplatch.simulator.effects import effects
 from skiplatch.units import DEG_PER_TURN
 
 MICROSECONDS, POSITION = "µs", "position"
-FEWEST_AZIMUTHS = 7
-"""Directions, to a degree, that show three lobes in a turn: two each and one more (Nyquist)."""
-FEWEST_TOLD_APART = 4
-"""The same where something else tells them from backlash: both senses of two axes."""
+FEWEST_AZIMUTHS = 4
+"""Directions, to a degree, that show lobes beside a datum for each axis: both senses of two."""
 
 
 def acts(effect_id: str, scene: Scene) -> bool:
@@ -46,16 +44,14 @@ def shows_waves(scene: Scene) -> bool:
 
 
 def shows_lobes(scene: Scene) -> bool:
-    """Tell lobes from backlash: the two senses of two axes show no three of anything in a turn.
+    """Tell whether there are lobes to be seen.
 
-    But lobes make a trigger late, and fall with the elevation. Backlash does neither.
+    The two senses of two axes show no three of anything in a turn: there they are told from
+    backlash by stamps, or by how they fall with the elevation, or not at all.
     """
     sides = scene.is_sideways
-    if not scene.is_machine or not sides.any():
-        return False
-    is_told_apart = scene.has_stamps.any() or shows_elevations(scene)
-    fewest = FEWEST_TOLD_APART if is_told_apart else FEWEST_AZIMUTHS
-    return len(np.unique(np.round(scene.touches.alpha_deg[sides]))) >= fewest
+    azimuths = np.unique(np.round(scene.touches.alpha_deg[sides]))
+    return scene.is_machine and len(azimuths) >= FEWEST_AZIMUTHS
 
 
 def shows_elevations(scene: Scene) -> bool:
