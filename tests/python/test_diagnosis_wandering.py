@@ -68,3 +68,13 @@ def test_a_level_is_not_asked_for() -> None:
 
     assert beyond_wandering(scene, late) == {}
     assert beyond_wandering(scene, standing(scene, backlash))["backlash"] > ENOUGH
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 12])
+def test_touches_without_times_of_their_own_wander_no_less(cold: Campaign, count: int) -> None:
+    few = cold.touches.select(np.arange(count))
+    at_once = replace(cold, touches=replace(few, time_s=np.zeros(count)))
+    scene = Scene.of(at_once)
+    feed = standing(scene, Effect("following_error", {"lag_us": 900.0}))
+
+    assert all(np.isfinite(gained) for gained in beyond_wandering(scene, feed).values())

@@ -84,9 +84,12 @@ def _gained(off: FloatArray, shift: FloatArray, covariances: Iterable[FloatArray
 
     The likelihood is that of what levels leave of them (restricted maximum likelihood).
     """
-    best = np.array([-np.inf, -np.inf])
+    best = _likeliest(off, shift, np.zeros(len(off)))
     for covariance in covariances:
-        values, vectors = scipy.linalg.eigh(covariance / np.mean(np.diag(covariance)))
+        size = np.mean(np.diag(covariance))
+        if size < TINY:
+            continue  # touches at one time are on one level
+        values, vectors = scipy.linalg.eigh(covariance / size)
         there, moved = (vectors.T @ one for one in (off, shift))
         best = np.maximum(best, _likeliest(there, moved, np.maximum(values, 0.0)))
     return float(best[1] - best[0])
@@ -96,6 +99,6 @@ def _likeliest(off: FloatArray, shift: FloatArray, values: FloatArray) -> FloatA
     """Give the most nats without a shift and with it, of all sizes of what wanders; shape (2,)."""
     variances = 1.0 + SIZES[:, None] * values
     own, both, squares = (np.sum(p / variances, axis=1) for p in (off**2, off * shift, shift**2))
-    left = np.array([own, own - both**2 / squares])
+    left = np.maximum([own, own - both**2 / squares], TINY)
     nats = -0.5 * (len(off) * np.log(left / len(off)) + np.sum(np.log(variances), axis=1))
     return np.asarray(nats.max(axis=1))
