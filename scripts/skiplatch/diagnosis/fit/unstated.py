@@ -7,19 +7,24 @@ from dataclasses import replace
 from math import sqrt
 
 import numpy as np
+import scipy
 
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Campaign, InputPath, Kind
 from skiplatch.campaign.steps import common_step
 from skiplatch.diagnosis.fit.beliefs import REPEATABILITY, believing
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.errors import InputError
 from skiplatch.repeatability import repeatability
-from skiplatch.statistics import robust_deviation
 from skiplatch.units import ARCSEC_PER_MILLIDEGREE
 
 RESOLUTION = ("axis", "resolution_um")
-FEWEST = 5
+FEWEST_ALIKE = 5
 """Touches that have a middle which most of them are about."""
+FEWEST = 12
+"""Of such touches, that tell what an axis scatters by."""
+MOST = 0.8
+"""Share of them that nothing but scatter moves."""
 
 
 def with_unstated(campaign: Campaign) -> Campaign:
@@ -57,17 +62,39 @@ def _scatter_um(campaign: Campaign) -> float:
 
 
 def _about_middles_um(campaign: Campaign) -> float:
-    """Give what surfaces that were touched once scatter by, with whatever else moves most of them.
+    """Give what surfaces that were touched once scatter by, on the axis that scatters least.
 
-    About the middle of those of an axis, a sense, a session and a feed, beside what is believed.
+    About the middle of those of an axis, a sense and a session, and of a feed where so many have
+    one, beside what is believed. Most of them have the scatter of the probe, on an axis that has no
+    other.
     """
     scene = Scene.of(campaign)
     touches = scene.touches
-    alike = np.column_stack([touches.axis, touches.sign, touches.session, touches.feed_mm_min])
-    _, group = np.unique(np.nan_to_num(alike), axis=0, return_inverse=True)
     off_um = touches.deviation_um - scene.pretravel_um - scene.speed * scene.wait_us
     known = ~np.isnan(off_um) & ~touches.false
-    off_um, group = off_um[known], group.ravel()[known]
-    middles = [np.median(off_um[group == one]) for one in group]
-    often = np.bincount(group, minlength=1)[group] >= FEWEST
-    return robust_deviation((off_um - middles)[often]) if often.any() else 0.0
+    surface = np.column_stack([touches.axis, touches.sign, touches.session])
+    scattered = [
+        _of_most(found)
+        for axis in np.unique(touches.axis)
+        for alike in (surface, np.column_stack([surface, touches.feed_mm_min]))
+        if len(found := _about_middles(off_um, alike, known & (touches.axis == axis))) >= FEWEST
+    ]
+    return min(scattered, default=0.0)
+
+
+def _of_most(off: FloatArray) -> float:
+    """Give the standard deviation of a normal law of which most values, shape (m,), are.
+
+    A median of them would be that of a step or of two, where these are coarse.
+    """
+    reach = float(scipy.stats.norm.ppf((1.0 + MOST) / 2.0))
+    most = np.sort(np.abs(off))[: round(MOST * len(off))]
+    return float(np.sqrt(np.mean(most**2)) / scipy.stats.truncnorm.std(-reach, reach))
+
+
+def _about_middles(values: FloatArray, alike: FloatArray, rows: BoolArray) -> FloatArray:
+    """Give what some values, shape (n,), are off the medians of those alike, shape (n, c)."""
+    _, group = np.unique(np.nan_to_num(alike[rows]), axis=0, return_inverse=True)
+    group = group.ravel()
+    off = [values[rows][group == one] - np.median(values[rows][group == one]) for one in set(group)]
+    return np.concatenate([np.zeros(0), *(one for one in off if len(one) >= FEWEST_ALIKE)])
