@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from played_campaigns import BENCH, MACHINE, played, played_again
-from skiplatch.campaign import Campaign, read_campaign
+from skiplatch.campaign import Campaign, InputPath, read_campaign
 from skiplatch.campaign.datum import Datum, DatumFreedom
 from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density.change import NOTHING
@@ -101,6 +101,32 @@ def test_late_touches_propose_how_late_they_are_wherever_the_surface_lies() -> N
     *_, proposed = CANDIDATES["link_retry"].starts(scene, NOTHING)
 
     assert proposed[1] == pytest.approx(5826.0, rel=0.03)
+
+
+def on_path(folder: Path, path: InputPath) -> Campaign:
+    campaign = read_campaign(folder)
+    return replace(campaign, touches=campaign.touches.select(campaign.touches.path == path))
+
+
+@pytest.mark.parametrize("tick_us", [1500.0, 2500.0, 9000.0])
+def test_stamps_of_scans_alone_tell_the_ticks_of_their_clock(tick_us: float) -> None:
+    coarse = Effect("timer_quantisation", {"tick_us": tick_us})
+
+    assert behind_truth(played_again(on_path(BENCH, InputPath.PLC), coarse), coarse) < MISSED_NATS
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_late_edges_are_as_late_interrupts_where_none_are_scanned(seed: int) -> None:
+    bounce = Effect("contact_bounce", {"probability": 0.25, "mean_us": 2000.0})
+    few = on_path(MACHINE, InputPath.SKIP)
+    few = replace(few, touches=few.touches.select(np.arange(0, len(few.touches), 2)))
+    scene = scene_of(played_again(few, bounce, seed=seed))
+
+    def nats(effect_id: str) -> float:
+        found = fit_plainly((scene, CANDIDATES[effect_id], NOTHING))
+        return likelihood(scene, found.change(scene)).total
+
+    assert nats("isr_blocking") == pytest.approx(nats("contact_bounce"), abs=1.0)
 
 
 @pytest.mark.nightly

@@ -29,7 +29,9 @@ SHARP_AGE = 0.1
 def ticks(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     """Propose grids that the stamps lie on, and ticks that share no grid with the believed one."""
     tick = scene.nominal.skip.tick_us
-    pitches = whole_pitches(scene.touches.latch_us[~scene.plc], tick)
+    # One clock makes the stamps of both paths; those of scans keep a grid of their own as well.
+    telling = scene.plc if scene.plc.all() else ~scene.plc
+    pitches = whole_pitches(scene.touches.latch_us[telling], tick)
     on_grid = [[pitch, 0.0, nearest] for pitch in pitches for nearest in (0.0, 1.0)]
     usual = on_grid + [
         [ratio * tick, origin * ratio * tick, 0.0]

@@ -131,7 +131,12 @@ CANDIDATES: Mapping[str, Candidate] = {
             "isr_blocking",
             surrogates.blocking,
             starts.now_and_then(
-                [[0.2, us, 0.0, 0.0] for us in (20.0, 200.0, 2000.0)], as_late=[[2.0, 0.0, 0.0]]
+                [
+                    [0.2, *one, 0.0]
+                    for us in (20.0, 200.0, 2000.0)
+                    for one in ((us, 0.0), (0.0, us))
+                ],
+                as_late=[[2.0, 0.0, 0.0], [0.0, 1.4, 0.0]],
             ),
             refinements=FURTHER_LATE,
         ),

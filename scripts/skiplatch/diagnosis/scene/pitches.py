@@ -1,8 +1,11 @@
 """The grid that recorded numbers lie on, where it is coarser than what they are rounded to."""
 
+import math
 from collections.abc import Sequence
+from itertools import islice, pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.scene.grid import FIRST, grid_period
@@ -10,12 +13,12 @@ from skiplatch.statistics import errors_of
 
 MANY_STEPS = 1.5
 """Fine steps from which on a coarser one is a news."""
-MOST_STEPS = 4096
-"""Fine steps of the coarsest grid that is looked for."""
 MOST_OFF = 0.02
 """Share of the numbers that may lie off."""
-FEW = 32
-"""Numbers, beyond those that may lie off, that a pitch is first tried on."""
+A_PART = 8
+"""Numbers whose common divisor is a pitch, if none of them lies off."""
+PARTS_OF_A_PITCH = range(1, 10)
+MOST_PITCHES = 3
 NEAREST = 0.501
 """Fine steps within which a number lies on a line."""
 
@@ -23,18 +26,21 @@ NEAREST = 0.501
 def whole_pitches(values: FloatArray, fine: float) -> Sequence[float]:
     """Give the coarsest pitches, of whole numbers of fine steps, whose grid holds nearly all.
 
-    Two fine steps, if none does.
+    They are the coarsest and large parts of it. Two fine steps, if none does.
     """
     steps = np.rint(values[~np.isnan(values)] / fine).astype(np.int64)
-    if not len(steps):
-        return [2.0 * fine]
-    most_off = MOST_OFF * len(steps)
-    # A few numbers rule out nearly all pitches: more of them lie off than may of all.
-    few = steps[: int(most_off) + FEW, None]
-    ways = np.arange(2, MOST_STEPS + 1)
-    ways = ways[np.count_nonzero(few % ways, axis=0) < most_off]
-    kept = [k for k in ways.tolist() if np.count_nonzero(steps % k) < most_off]
-    return [k * fine for k in (kept or [2])[-3:]]
+    parts = np.array_split(steps, max(len(steps) // A_PART, 1))
+    # Numbers that lie off spoil the parts that they are in.
+    divisors = [int(np.gcd.reduce(part)) for part in parts if len(part)]
+    divisors += [math.gcd(*pair) for pair in pairwise(divisors)]
+    kept = [k for k in {*divisors, 2} if k > 1 and _holds(k, steps)]
+    coarsest = max(kept, default=2)
+    wholes = (coarsest // k for k in PARTS_OF_A_PITCH if coarsest % k == 0 and coarsest > k)
+    return [k * fine for k in sorted(islice(wholes, MOST_PITCHES))]
+
+
+def _holds(pitch: int, steps: NDArray[np.int64]) -> bool:
+    return int(np.count_nonzero(steps % pitch)) < max(MOST_OFF * len(steps), 1.0)
 
 
 def odd_pitch(values: FloatArray, fine: float) -> list[float]:
@@ -72,5 +78,6 @@ def kept_pitch(values: FloatArray, fine: float) -> tuple[float, float] | None:
     pitch = max([*whole_pitches(known, fine), *odd_pitch(known, fine)])
     if pitch <= MANY_STEPS * fine or not is_on_grid(known, pitch, fine):
         return None
-    log_chance = np.log(MOST_STEPS) - len(different) * np.log(pitch / fine)
+    # Any pitch up to this one may have come about so.
+    log_chance = (1.0 - len(different)) * np.log(pitch / fine)
     return pitch, errors_of(float(np.exp(min(log_chance, 0.0))))
