@@ -14,7 +14,7 @@ from skiplatch.diagnosis.density.change import NOTHING
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.scene.scene import Scene
-from skiplatch.diagnosis.search.places import are_waves_told
+from skiplatch.diagnosis.search.places import are_told_by_places
 from skiplatch.diagnosis.search.tasks import fit_in_forms, fit_plainly
 from skiplatch.diagnosis.verdict.cell_scores import Ensemble, floor_of
 from skiplatch.diagnosis.verdict.shrink import PlayedRigs
@@ -173,14 +173,37 @@ def test_a_wave_through_a_few_places_that_are_off_anyhow_is_not_told(
 
     base, reached = (likelihood(scene, c).total for c in (NOTHING, found.change(scene)))
     assert reached > base + 30.0
-    assert are_waves_told(scene, found) == [is_told]
+    assert are_told_by_places(scene, found) == [is_told]
 
 
 def test_a_wave_without_a_length_is_told_by_no_place() -> None:
     scene = Scene.of(played_again(polled(), WAVE))
     flat = Effect("transmission_error", {**WAVE.parameters, "period_mm": 0.0})
 
-    assert are_waves_told(scene, standing(scene, flat)) == [False]
+    assert are_told_by_places(scene, standing(scene, flat)) == [False]
+
+
+@pytest.mark.parametrize(
+    ("places", "y_excess_ratio", "is_told"),
+    [(2, 0.0, True), (2, -3.0, False), (3, -3.0, True), (1, 0.0, False)],
+)
+def test_a_line_through_two_points_of_each_axis_says_nothing(
+    places: int, y_excess_ratio: float, *, is_told: bool
+) -> None:
+    """Each axis has a datum of its own: one place of it is that."""
+    campaign = polled()
+    touches = campaign.touches
+    where_mm = np.asarray(40.0 * (np.arange(TOUCHES) % places), dtype=np.float64)
+    few = replace(touches, position_mm=where_mm)
+    warm, warmer = (replace(few, temp_c=np.linspace(25.0, to_c, TOUCHES)) for to_c in (25.1, 31.0))
+    scale = Effect("scale_error", {"scale_ppm": 50.0, "y_excess_ratio": y_excess_ratio})
+    growing = {"expansion_ppm_k": 10.0, "y_excess_ratio": y_excess_ratio}
+    grown = Effect("thermal_drift", growing)
+
+    for own, effect in ((few, scale), (warm, grown), (warmer, grown)):
+        scene = Scene.of(replace(campaign, touches=own))
+        told = are_told_by_places(scene, standing(scene, effect))
+        assert told == [is_told or (own is warmer and places > 1)]
 
 
 @pytest.mark.parametrize(

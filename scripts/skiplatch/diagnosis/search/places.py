@@ -1,8 +1,9 @@
-"""Whether a wave along an axis is told by the places touched, or but by how often they were.
+"""Whether what goes with the place is told by the places touched, or but by how often they were.
 
 Any error that goes with the place, as that of an axis which is not square to another one, is some
 wave at a few places: one of so many periods and orders runs through all of them. Touches of one
-place agree with each other then, wherever they are held out. They count as one.
+place agree with each other then, wherever they are held out. They count as one. So is a scale of
+each axis, where this was touched at two places: a line through two points says nothing.
 """
 
 import math
@@ -21,21 +22,54 @@ from skiplatch.diagnosis.scene.grid import ACCIDENT
 from skiplatch.diagnosis.scene.scene import Scene
 
 WAVE, PERIOD = "transmission_error", "period_mm"
+BY_PLACE = ("scale_error", "thermal_drift")
+"""Effects that are larger the farther out an axis is."""
+PLACE_MM = 0.1
+"""Within which touches are of one place, as those go."""
+HARDLY = 0.1
+"""Of what an effect shifts touches by, that it changes at one place where it hardly does."""
 PLACES_A_PERIOD = 20.0
 """Within which a wave is much the same."""
 FEWEST_AGAIN = 2.0
 """Touches a place, from which on places are fewer than touches: else these tell by themselves."""
 
 
-def are_waves_told(scene: Scene, model: Fit) -> list[bool]:
-    """Tell of each effect of a model whether it is no wave, or one that places tell."""
+def are_told_by_places(scene: Scene, model: Fit) -> list[bool]:
+    """Tell of each effect of a model whether it goes with no place, or is one that places tell."""
+    told = {WAVE: _is_wave_told, **dict.fromkeys(BY_PLACE, _is_size_told)}
     return [
-        candidate.id != WAVE or _is_told(scene, model, i)
+        candidate.id not in told or told[candidate.id](scene, model, i)
         for i, candidate in enumerate(model.candidates)
     ]
 
 
-def _is_told(scene: Scene, model: Fit, number: int) -> bool:
+def _is_size_told(scene: Scene, model: Fit, number: int) -> bool:
+    """Tell whether there are more places, less one for each unknown datum, than sizes.
+
+    What changes at one place as well is told by more than places.
+    """
+    candidate, parameters = model.candidates[number], model.parameters[number]
+    touches = scene.touches
+    rows = candidate.span.holds(touches.touch) & ~np.isnan(touches.position_mm)
+    data = np.zeros(len(scene)) if scene.datum_groups is None else scene.datum_groups
+    where = np.column_stack([data, touches.axis, touches.sign, touches.position_mm / PLACE_MM])
+    places, place = np.unique(np.rint(where[rows]), axis=0, return_inverse=True)
+    shift_um = np.broadcast_to(candidate.change(scene, parameters).position_um, rows.shape)[rows]
+    middles_um = np.bincount(place.ravel(), shift_um) / np.bincount(place.ravel())
+    if np.std(shift_um - middles_um[place.ravel()]) > HARDLY * np.std(shift_um):
+        return True
+    is_unknown = scene.datum_groups is not None and scene.datum_u_um is None
+    taken_up = len(np.unique(places[:, 0])) if is_unknown else 0
+    count = len(np.unique(places[:, [0, 1, 3]], axis=0))
+    return count - taken_up > _sizes(candidate, parameters)
+
+
+def _sizes(candidate: Candidate, parameters: Parameters) -> int:
+    values = zip(candidate.names, parameters, strict=True)
+    return sum(value != 0.0 for name, value in values if name not in SWITCHES)
+
+
+def _is_wave_told(scene: Scene, model: Fit, number: int) -> bool:
     candidate, parameters = model.candidates[number], model.parameters[number]
     acts = candidate.span.holds(scene.touches.touch)
     told = positions(scene, model.without(number).change(scene)).where(acts)

@@ -21,7 +21,7 @@ from skiplatch.diagnosis.search.own_way import (
     own_way,
 )
 from skiplatch.diagnosis.search.parts import Split
-from skiplatch.diagnosis.search.places import are_waves_told
+from skiplatch.diagnosis.search.places import are_told_by_places
 from skiplatch.diagnosis.search.scored import Scored, is_no_accident
 
 MORE_VARIANCE = 1.2
@@ -97,7 +97,7 @@ class Scorer:
 
     def score(self, model: Fit) -> Scored:
         """Score a fitted model on both parts; a wave that no places tell gains nothing."""
-        told = model.kept(are_waves_told(self._naming, model))
+        told = model.kept(are_told_by_places(self._naming, model))
         fitted, checked = (
             likelihood(part, told.change(part)).total - base
             for part, base in zip((self._fitting, self._checking), self.base, strict=True)
