@@ -41,6 +41,16 @@ def test_both_senses_of_two_axes_show_lobes(sides: int, *, are_shown: bool) -> N
     assert shows_lobes(scene_of(replace(machine, touches=few))) is are_shown
 
 
+def test_directions_that_nobody_recorded_show_no_lobes() -> None:
+    machine = on_four_sides(0.0)
+    probe = replace(machine.nominal.probe, lobe_um=2.0)
+    unknown = np.full(len(machine.touches), np.nan)
+    touches = replace(machine.touches, alpha_deg=unknown, beta_deg=unknown)
+    bare = replace(machine, nominal=replace(machine.nominal, probe=probe), touches=touches)
+
+    assert not shows_lobes(scene_of(bare))
+
+
 def test_lobes_at_four_sides_look_like_backlash() -> None:
     """By three of anything in a turn, or by a length for each axis: the data are free by axis."""
     lobes = Effect("pretravel_lobing", {"amplitude_um": 4.0, "azimuth_deg": 20.0})

@@ -7,7 +7,7 @@ import pytest
 
 from played_campaigns import MACHINE, played, played_again
 from skiplatch.campaign import Axis, Campaign, read_campaign
-from skiplatch.campaign.datum import DatumFreedom
+from skiplatch.campaign.datum import Datum, DatumFreedom
 from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.fit.believed import scene_of
 from skiplatch.diagnosis.fit.directions import UNDIRECTED, with_directions
@@ -57,6 +57,26 @@ def test_lobes_in_unknown_directions_are_scatter_and_a_datum_of_each_sense() -> 
     middle_um = nominal.probe.repeatability_um
     largest_um = middle_um * (1.0 + u_um / middle_um) ** 2
     assert largest_um > np.hypot(probe_um, 4.0 / np.sqrt(2.0))
+
+
+@pytest.mark.parametrize(
+    ("datum", "u_um"),
+    [
+        (Datum(DatumFreedom.NONE), 4.0 / np.sqrt(2.0)),
+        (Datum(DatumFreedom.AXIS, 3.0), np.hypot(3.0, 4.0 / np.sqrt(2.0))),
+        (Datum(DatumFreedom.CAMPAIGN), None),
+    ],
+)
+def test_such_lobes_shift_each_sense_of_a_surface_that_is_known(
+    datum: Datum, u_um: float | None
+) -> None:
+    campaign = with_lobes(without_directions(played(MACHINE)), 4.0)
+    known = replace(campaign, nominal=replace(campaign.nominal, datum=datum))
+
+    found = with_directions(known).nominal.datum
+
+    assert found.free is DatumFreedom.AXIS_SENSE
+    assert found.u_um == (None if u_um is None else pytest.approx(u_um))
 
 
 @pytest.mark.long

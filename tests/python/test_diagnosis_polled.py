@@ -206,6 +206,15 @@ def test_a_line_through_two_points_of_each_axis_says_nothing(
         assert told == [is_told or (own is warmer and places > 1)]
 
 
+def test_a_drift_where_no_place_was_recorded_goes_with_none() -> None:
+    campaign = polled()
+    nowhere = replace(campaign.touches, position_mm=np.full(TOUCHES, np.nan))
+    scene = Scene.of(replace(campaign, touches=nowhere))
+    drift = standing(scene, Effect("thermal_drift", {"drift_um_k": 3.0}))
+
+    assert are_told_by_places(scene, drift) == [True]
+
+
 @pytest.mark.parametrize(
     "stamped",
     [pytest.param(False, marks=pytest.mark.long), pytest.param(True, marks=pytest.mark.nightly)],

@@ -47,11 +47,13 @@ def shows_lobes(scene: Scene) -> bool:
     """Tell whether there are lobes to be seen.
 
     The two senses of two axes show no three of anything in a turn: there they are told from
-    backlash by stamps, or by how they fall with the elevation, or not at all.
+    backlash by stamps, or by how they fall with the elevation, or not at all. Directions that
+    nobody recorded show none.
     """
     sides = scene.is_sideways
     azimuths = np.unique(np.round(scene.touches.alpha_deg[sides]))
-    return scene.is_machine and len(azimuths) >= FEWEST_AZIMUTHS
+    is_seen = scene.is_machine and scene.is_directed
+    return is_seen and len(azimuths) >= FEWEST_AZIMUTHS
 
 
 def shows_elevations(scene: Scene) -> bool:

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from skiplatch.campaign import Axis, Campaign, Kind, Nominal, Touches
-from skiplatch.campaign.datum import DatumFreedom
+from skiplatch.campaign.datum import Datum, DatumFreedom
 from skiplatch.diagnosis.fit.beliefs import LOBES, NOISE_U, REPEATABILITY
 
 MOST_UNKNOWN = 0.5
@@ -63,12 +63,19 @@ def _scattering(nominal: Nominal) -> Nominal:
     own_u = nominal.uncertainty.get(REPEATABILITY, NOISE_U * middle_um)
     u_um = float(np.hypot(own_u, middle_um * np.expm1(np.log(most_um / least_um) / REACH)))
     known = {key: u for key, u in nominal.uncertainty.items() if key != LOBES}
-    datum = nominal.datum
-    if datum.free in (DatumFreedom.AXIS, DatumFreedom.CAMPAIGN):
-        datum = replace(datum, free=DatumFreedom.AXIS_SENSE)
     return replace(
         nominal,
         probe=replace(nominal.probe, lobe_um=0.0, repeatability_um=middle_um),
         uncertainty={**known, REPEATABILITY: u_um},
-        datum=datum,
+        datum=_of_each_sense(nominal.datum, nominal.probe.lobe_um / float(np.sqrt(2.0))),
     )
+
+
+def _of_each_sense(datum: Datum, lobe_um: float) -> Datum:
+    """Give a datum that lobes of unknown directions shift by so much (root mean square)."""
+    shared = (DatumFreedom.AXIS, DatumFreedom.CAMPAIGN, DatumFreedom.NONE)
+    if datum.free not in shared:
+        return datum
+    is_known = datum.free is DatumFreedom.NONE or datum.u_um is not None
+    u_um = float(np.hypot(datum.u_um or 0.0, lobe_um)) if is_known else None
+    return Datum(DatumFreedom.AXIS_SENSE, u_um)

@@ -51,6 +51,8 @@ def _is_size_told(scene: Scene, model: Fit, number: int) -> bool:
     candidate, parameters = model.candidates[number], model.parameters[number]
     touches = scene.touches
     rows = candidate.span.holds(touches.touch) & ~np.isnan(touches.position_mm)
+    if not rows.any():
+        return True
     data = np.zeros(len(scene)) if scene.datum_groups is None else scene.datum_groups
     where = np.column_stack([data, touches.axis, touches.sign, touches.position_mm / PLACE_MM])
     places, place = np.unique(np.rint(where[rows]), axis=0, return_inverse=True)
