@@ -108,6 +108,20 @@ def on_path(folder: Path, path: InputPath) -> Campaign:
     return replace(campaign, touches=campaign.touches.select(campaign.touches.path == path))
 
 
+@pytest.mark.parametrize("period_mm", [3.0, 5.0, 16.0])
+@pytest.mark.parametrize("order", [2, 3])
+def test_a_wave_of_one_axis_alone_is_reached_with_its_further_orders(
+    period_mm: float, order: int
+) -> None:
+    first = {"amplitude_um": 0.03, "period_mm": period_mm, "phase_deg": 250.0}
+    further = {f"amplitude{order}_um": 0.01, f"phase{order}_deg": 20.0}
+    of_y = Effect("transmission_error", {**first, **further, "y_excess_ratio": 150.0})
+    few = read_campaign(MACHINE)
+    few = replace(few, touches=few.touches.select(np.arange(0, len(few.touches), 2)))
+
+    assert behind_truth(played_again(few, of_y), of_y) < MISSED_NATS
+
+
 @pytest.mark.parametrize("tick_us", [1500.0, 2500.0, 9000.0])
 def test_stamps_of_scans_alone_tell_the_ticks_of_their_clock(tick_us: float) -> None:
     coarse = Effect("timer_quantisation", {"tick_us": tick_us})

@@ -27,7 +27,7 @@ from skiplatch.diagnosis.candidates.applicable import (
 from skiplatch.diagnosis.candidates.axes import axes_of_their_own, each_axis, like_datum
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.candidates.thermometers import by_each_thermometer, shows_warmth
-from skiplatch.diagnosis.candidates.waves import transmissions
+from skiplatch.diagnosis.candidates.waves import FURTHER_ORDERS, transmissions
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.span import ALWAYS, Span
 
@@ -227,10 +227,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             surrogates.transmission,
             transmissions,
             shows_waves,
-            refinements=(
-                *({3: 0.3, 4: phase} for phase in (45.0, 135.0, 225.0, 315.0)),
-                *axes_of_their_own(7),
-            ),
+            refinements=(*FURTHER_ORDERS, *axes_of_their_own(7)),
         ),
         Candidate(
             "scale_error",

@@ -8,6 +8,7 @@ import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray, IndexArray, winsorised
 from skiplatch.campaign import LINEAR_AXES, Axis
+from skiplatch.diagnosis.candidates.candidate import Refinement
 from skiplatch.diagnosis.candidates.positions import Positions, positions, surfaces_show
 from skiplatch.diagnosis.candidates.starts import robust_fit, scale_beside
 from skiplatch.diagnosis.density.change import Change
@@ -29,9 +30,27 @@ WORTH_AN_ORDER = 8.0
 """Squares, weighted, that one order more has to leave less to be proposed."""
 FEWEST_ON_AXIS = 16
 """Touches of an axis that show a sine of its own."""
+FAR = 100.0
+"""Times that one axis alone has more of a wave than the others at first."""
 WORTH_A_SWITCH = 4.0
 """Squares, weighted, that the surface's coordinate has to leave less than that of the latch."""
 UNKNOWN = [1.0, 10.0, 1.0, *[0.0] * 10]
+
+A_PART = 0.2
+"""Size of a further order at first, over that of the wave, which is that of X: an axis may have
+many times as much."""
+
+
+def _a_part(of: int, parameters: FloatArray) -> float:
+    return float(parameters[of] or A_PART * parameters[0])
+
+
+FURTHER_ORDERS: Sequence[Refinement] = tuple(
+    {of: partial(_a_part, of), of + 1: phase_deg}
+    for of in (3, 5)
+    for phase_deg in (45.0, 135.0, 225.0, 315.0)
+)
+"""Forms of a wave with a second order, or with a third."""
 
 Parameters = list[float]
 """Of a transmission error, all but the last two, which tell where it counts."""
@@ -111,6 +130,12 @@ class _Seen:
         if len(self.axes) > 1:
             parts = [self._explained(self.weights * self.on_axes[k])[1] for k in self.axes]
             found.append(self._best(_peaks(frequencies, np.sum(parts, axis=0)), self._by_axis))
+            least = min(best[0][0] for best in found if best)
+            alone = [
+                self._best(_peaks(frequencies, part), partial(self._alone, axis=k))
+                for k, part in zip(self.axes, parts, strict=True)
+            ]
+            found += [best[:1] for best in alone if best and best[0][0] < least - WORTH_AN_ORDER]
         return [fitted for best in found for fitted in best]
 
     def _best(self, peaks: Sequence[float], sine: Sine) -> list[tuple[float, Parameters]]:
@@ -156,6 +181,21 @@ class _Seen:
             ahead_deg[k] = (phase_deg - phases_deg[0]) % DEG_PER_TURN
         first = [sizes[0], 1.0 / per_mm, phases_deg[0], *[0.0] * 2 * (MOST_ORDERS - 1)]
         return left, [*first, *more[Axis.Y :], *ahead_deg[Axis.Y :]]
+
+    def _alone(self, per_mm: float, axis: int) -> tuple[float, Parameters]:
+        """Fit all orders of a frequency on one axis; the others have next to none of it."""
+        turn = 2.0 * np.pi * per_mm * self.position
+        orders = range(1, MOST_ORDERS + 1)
+        waves = [wave for k in orders for wave in (np.sin(k * turn), np.cos(k * turn))]
+        on_axis = [np.where(self.on_axes[axis], wave, 0.0) for wave in waves]
+        middles = [np.where(rows, 1.0, 0.0) for rows in self.on_axes]
+        left, found = self._least([*on_axis, *middles])
+        sizes, phases_deg = _polar(found[: len(waves)].reshape(MOST_ORDERS, 2))
+        over_x = np.where(np.arange(len(LINEAR_AXES)) == axis, 1.0, 1.0 / FAR)
+        sizes_of_x = np.asarray(sizes) * over_x[Axis.X]
+        wave = np.column_stack([sizes_of_x, phases_deg]).ravel().tolist()
+        first = [wave[0], 1.0 / per_mm, *wave[1:]]
+        return left, [*first, *(over_x[Axis.Y :] / over_x[Axis.X] - 1.0).tolist(), 0.0, 0.0]
 
     def _least(self, columns: Sequence[FloatArray]) -> tuple[float, FloatArray]:
         """Fit multiples of the columns by least squares; give what they leave, and them."""
