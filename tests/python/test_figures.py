@@ -15,7 +15,7 @@ from matplotlib.transforms import Bbox
 
 from skiplatch.campaign import InputPath
 from skiplatch.errors import InputError
-from skiplatch.figures import theme
+from skiplatch.figures import colours, theme
 from skiplatch.figures.cycle_times import draw_cycle_times
 from skiplatch.figures.feeds import draw_feeds
 from skiplatch.figures.latch_errors import draw_latch_errors
@@ -102,13 +102,13 @@ def test_picture_needs_nothing_from_elsewhere(picture: tuple[str, Figure]) -> No
 def test_every_colour_has_a_dark_counterpart(picture: tuple[str, Figure]) -> None:
     style = picture[0].split("</style>")[0]
     drawing = picture[0].removeprefix(style)
-    colours = set(re.findall(r"#[0-9a-f]{6}\b", drawing))
+    drawn = set(re.findall(r"#[0-9a-f]{6}\b", drawing))
 
-    assert colours <= set(theme.DARK)
-    assert theme.PAPER in colours
-    for light in colours:
+    assert drawn <= set(colours.DARK)
+    assert colours.PAPER in drawn
+    for light in drawn:
         for part in ("fill", "stroke"):
-            rule = f'[style*="{part}: {light}"] {{ {part}: {theme.DARK[light]} !important }}'
+            rule = f'[style*="{part}: {light}"] {{ {part}: {colours.DARK[light]} !important }}'
             assert rule in style
 
 
@@ -178,16 +178,16 @@ def contrast(one: str, other: str) -> float:
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_letters_and_lines_stand_out_from_the_ground(scheme: str) -> None:
-    tones = {tone: tone if scheme == "light" else dark for tone, dark in theme.DARK.items()}
-    paper = tones.pop(theme.PAPER)
-    areas = (theme.GRID, theme.SKIP_LIGHT, theme.PLC_LIGHT)
+    tones = {tone: tone if scheme == "light" else dark for tone, dark in colours.DARK.items()}
+    paper = tones.pop(colours.PAPER)
+    areas = (colours.GRID, colours.SKIP_LIGHT, colours.PLC_LIGHT)
 
     for tone, colour in tones.items():
         assert contrast(colour, paper) >= (VISIBLE if tone in areas else READABLE), tone
 
 
 def test_colours_can_be_told_apart_in_the_file() -> None:
-    assert len(set(theme.DARK.values())) == len(theme.DARK)
+    assert len(set(colours.DARK.values())) == len(colours.DARK)
 
 
 def test_words_are_escaped(tmp_path: Path) -> None:

@@ -1,14 +1,18 @@
 """The store that the bench makes is one that skiplatch takes for whole."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import fleet_bench
 import pytest
 
+from skiplatch.fleet.alike import FEWEST_RIGS
+from skiplatch.fleet.chart import FEWEST
 from skiplatch.fleet.reading import opened
 from test_fleet_told import fleet
 
-RIGS, WEEKS, TOUCHES = 3, 2, 10
+RIGS, WEEKS, TOUCHES = 5, 7, 10
 
 
 @pytest.fixture
@@ -28,3 +32,21 @@ def test_no_file_is_taken_for_damaged(store: Path) -> None:
 
     assert result.exit_code == 0, result.output
     assert f"{RIGS * WEEKS} campaigns, 0 with lost or damaged files" in result.output
+
+
+def test_page_loads_nothing_that_takes_as_long_as_itself(store: Path, tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    words = ["fleet", "report", "--store", str(store), "--html", str(page)]
+    code = f"""
+import sys
+from skiplatch.cli import group
+group({words}, standalone_mode=False)
+print({{"scipy.special", "scipy.stats", "matplotlib"}} & set(sys.modules))
+"""
+
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+    assert RIGS >= FEWEST_RIGS
+    assert WEEKS > FEWEST  # so all of the judging is done
+    assert '<a href="#c0">' in page.read_text()
+    assert done.stdout.splitlines()[-1] == "{'scipy.special'}"

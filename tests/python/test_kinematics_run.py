@@ -14,7 +14,7 @@ from kinematics_programs import MACHINE, SAMPLES, TRUTH, program_of, run
 from refusals import Program
 from skiplatch.cli import group
 from skiplatch.errors import InputError
-from skiplatch.figures import theme
+from skiplatch.figures import colours
 from skiplatch.kinematics.machine import read_machine
 from skiplatch.kinematics.points import read_points
 
@@ -231,8 +231,8 @@ def test_the_charts_of_the_log_are_files_beside_it(tmp_path: Path) -> None:
         ET.fromstring(chart)  # noqa: S314, it is our own
         # One picture: the same lines, in the page with its names of colours.
         assert re.findall(r' d="([^"]*)"', chart) == re.findall(r' d="([^"]*)"', inline)
-        assert chart.count(theme.RED) > 2  # the dark scheme's rules have it twice
-        assert chart.count(theme.FOURTH) > 2
+        assert chart.count(colours.RED) > 2  # the dark scheme's rules have it twice
+        assert chart.count(colours.FOURTH) > 2
         assert "prefers-color-scheme: dark" in chart
         assert name[-7:-4] in chart[: chart.index("</title>")]
 

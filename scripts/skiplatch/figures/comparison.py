@@ -9,7 +9,7 @@ from skiplatch.arrays import spaced
 from skiplatch.campaign import InputPath
 from skiplatch.comparison.model import Cell, CellGap, Comparison, feed_words
 from skiplatch.comparison.observables import ALL_OBSERVABLES, Observable
-from skiplatch.figures import theme
+from skiplatch.figures import colours, theme
 from skiplatch.figures.ecdf import draw_ecdf, label_shares
 from skiplatch.figures.inline import Drawing, drawing, panel
 from skiplatch.figures.latch_errors import COLORS
@@ -87,7 +87,7 @@ def _draw_curves(axes: Axes, cell: Cell) -> None:
     color, _ = COLORS[InputPath(cell.path)]
     draw_ecdf(axes, cell.recorded + cell.expected, color=color, lw=2.4)
     simulated = (cell.reference + cell.expected).ravel()
-    draw_ecdf(axes, simulated, color=theme.MUTED, lw=1.4, ls=(0, (3, 2)))
+    draw_ecdf(axes, simulated, color=colours.MUTED, lw=1.4, ls=(0, (3, 2)))
     label_shares(axes)
 
 

@@ -8,11 +8,11 @@ from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
 from skiplatch.arrays import FloatArray, spaced
-from skiplatch.figures import theme
+from skiplatch.figures import colours
 from skiplatch.figures.inline import Drawing, drawing, panel
 from skiplatch.tables import number
 
-COLORS = (theme.SKIP, theme.PLC, theme.THIRD, theme.FOURTH)
+COLORS = (colours.SKIP, colours.PLC, colours.THIRD, colours.FOURTH)
 MARKS = ("o", "s", "^", "D")
 HOLE = 0.6
 """Width of the empty middle, as a share of the scale: no radius in a picture is below nothing."""
@@ -109,10 +109,10 @@ def _dress(axes: PolarAxes, unit: str) -> None:
     axes.set_yticks(shown, [""] * len(shown))
     for tick in shown:
         words = f"{tick:g} {unit}" if tick == shown[-1] else f"{tick:g}"
-        box = {"facecolor": theme.PAPER, "edgecolor": "none", "pad": 0.6}
+        box = {"facecolor": colours.PAPER, "edgecolor": "none", "pad": 0.6}
         angle = float(np.radians(LABEL_DEG))
         axes.text(angle, tick, words, fontsize=7.0, ha="center", va="center", bbox=box)
-    axes.spines["polar"].set_color(theme.GRID)
+    axes.spines["polar"].set_color(colours.GRID)
 
 
 def draw_delay(
@@ -131,8 +131,8 @@ def draw_delay(
         axes = figure.subplots()
         ends = np.array([feed_mm_min.min(), feed_mm_min.max()])
         middle_um, middle = radius_um.mean(), feed_mm_min.mean()
-        axes.plot(ends, slope * (ends - middle), color=theme.SKIP, lw=1.4)
-        axes.plot(feed_mm_min, radius_um - middle_um, "o", ms=3.5, mfc="none", mec=theme.INK)
+        axes.plot(ends, slope * (ends - middle), color=colours.SKIP, lw=1.4)
+        axes.plot(feed_mm_min, radius_um - middle_um, "o", ms=3.5, mfc="none", mec=colours.INK)
         axes.set_xlabel("feed, mm/min")
         axes.set_ylabel("mean radius − its mean, µm")
         description = (
@@ -159,12 +159,12 @@ def draw_draws(
     with panel(2.6) as figure:
         axes = figure.subplots()
         counts, edges = np.histogram(draws, bins=40, density=True)
-        axes.stairs(counts, edges, fill=True, color=theme.PLC_LIGHT)
-        axes.stairs(counts, edges, color=theme.PLC, lw=1.0, label="Monte Carlo")
+        axes.stairs(counts, edges, fill=True, color=colours.PLC_LIGHT)
+        axes.stairs(counts, edges, color=colours.PLC, lw=1.0, label="Monte Carlo")
         x = np.linspace(mean - 4.0 * deviation, mean + 4.0 * deviation, 201)
         density = np.exp(-0.5 * ((x - mean) / deviation) ** 2)
         density /= deviation * np.sqrt(2.0 * np.pi)
-        axes.plot(x, density, color=theme.INK, lw=1.3, label="GUM, normal")
+        axes.plot(x, density, color=colours.INK, lw=1.3, label="GUM, normal")
         axes.set_xlabel(label)
         axes.set_ylabel("density")
         axes.set_yticks([])

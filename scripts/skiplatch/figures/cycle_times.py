@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 
-from skiplatch.figures import theme
+from skiplatch.figures import colours, theme
 from skiplatch.latch.effort import Effort
 from skiplatch.latch.seed_document.model import FAST_MM_MIN, SLOW_MM_MIN
 from skiplatch.planner.document import DOCUMENT_LIMITS
@@ -38,12 +38,12 @@ def draw_cycle_times(path: Path, effort: Effort) -> None:
         axes = figure.subplots()
         _set_up(axes)
         _mark_document(axes)
-        for kind, color in ((_one_touch, theme.PLC), (_two_touches, theme.SKIP)):
+        for kind, color in ((_one_touch, colours.PLC), (_two_touches, colours.SKIP)):
             _draw_model(axes, kind, color)
             _draw_simulated(axes, kind, color, effort)
-        theme.label(axes, "one touch", _point(_one_touch(300.0)), theme.PLC, offset=(10.0, 6.0))
+        theme.label(axes, "one touch", _point(_one_touch(300.0)), colours.PLC, offset=(10.0, 6.0))
         at = _point(_two_touches(300.0))
-        theme.label(axes, "two touches", at, theme.SKIP, offset=(0.0, -16.0), ha="center")
+        theme.label(axes, "two touches", at, colours.SKIP, offset=(0.0, -16.0), ha="center")
         _mark_gain(axes)
 
 
@@ -75,9 +75,9 @@ def _draw_simulated(axes: Axes, kind: Kind, color: str, effort: Effort) -> None:
 
 def _mark_document(axes: Axes) -> None:
     for range_and_time in DOCUMENT:
-        axes.plot(*range_and_time, "D", ms=8, mew=1.5, mfc="none", mec=theme.INK, zorder=3)
+        axes.plot(*range_and_time, "D", ms=8, mew=1.5, mfc="none", mec=colours.INK, zorder=3)
         text = f"document:\n{range_and_time[1]:g} s"
-        theme.label(axes, text, range_and_time, theme.INK, offset=(-8.0, -18.0), ha="right")
+        theme.label(axes, text, range_and_time, colours.INK, offset=(-8.0, -18.0), ha="right")
 
 
 def _mark_gain(axes: Axes) -> None:
@@ -86,7 +86,7 @@ def _mark_gain(axes: Axes) -> None:
     theme.span(axes, one, two, gap=5.0)
     text = f"{number(one[1], 2)} s or {number(two[1], 2)} s"
     middle = (one[0], float(np.sqrt(one[1] * two[1])))
-    theme.label(axes, text, middle, theme.INK, offset=(7.0, 0.0))
+    theme.label(axes, text, middle, colours.INK, offset=(7.0, 0.0))
 
 
 def _set_up(axes: Axes) -> None:

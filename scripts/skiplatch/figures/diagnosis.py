@@ -10,7 +10,7 @@ from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import InputPath
 from skiplatch.comparison.model import feed_words
 from skiplatch.diagnosis.verdict.shrink import Gap
-from skiplatch.figures import theme
+from skiplatch.figures import colours
 from skiplatch.figures.ecdf import draw_ecdf, label_shares
 from skiplatch.figures.inline import Drawing, drawing, panel
 from skiplatch.figures.latch_errors import COLORS
@@ -19,7 +19,7 @@ from skiplatch.report.conditions import Condition, bins_of
 from skiplatch.report.evidence import Evidence, Seen
 from skiplatch.tables import number
 
-BEFORE, AFTER = theme.MUTED, theme.FOURTH
+BEFORE, AFTER = colours.MUTED, colours.FOURTH
 PANEL_IN = 2.1
 RESIDUAL_IN = 2.3
 TAIL = 0.002
@@ -83,7 +83,7 @@ def draw_residuals(name: str, seen: Seen, evidence: Evidence, condition: Conditi
     low, high = _range(*(_finite(values[rows]) for values, _ in left.values()))
     with panel(RESIDUAL_IN) as figure:
         axes = figure.subplots()
-        axes.axhline(0.0, color=theme.INK, lw=0.8)
+        axes.axhline(0.0, color=colours.INK, lw=0.8)
         for values, color in left.values():
             _draw_left(axes, condition.values, np.clip(values, low, high), rows, color)
         axes.set_ylim(low, high)
@@ -109,8 +109,8 @@ def draw_shrink(name: str, gaps: Sequence[Gap]) -> Drawing:
         axes = figure.subplots()
         for row, gap in enumerate(gaps):
             axes.plot([gap.shrink.low, gap.shrink.high], [row, row], color=AFTER, lw=5, alpha=0.4)
-            axes.plot([gap.shrink.value], [row], "o", color=AFTER, ms=7, mec=theme.PAPER)
-        axes.axvline(0.0, color=theme.INK, lw=0.8)
+            axes.plot([gap.shrink.value], [row], "o", color=AFTER, ms=7, mec=colours.PAPER)
+        axes.axvline(0.0, color=colours.INK, lw=0.8)
         least = min(gap.shrink.low for gap in gaps)
         axes.set_xlim(min(least, 0.0) - 0.03, 1.03)
         axes.set_ylim(len(gaps) - 0.5, -0.5)
@@ -135,7 +135,7 @@ def _draw_left(axes: Axes, at: FloatArray, left: FloatArray, rows: BoolArray, co
     chosen = chosen[np.linspace(0, len(chosen) - 1, min(len(chosen), MOST_POINTS)).astype(int)]
     axes.plot(at[chosen], left[chosen], "o", color=color, ms=2.6, mew=0.0, alpha=0.35)
     middles, means = _means(at, left, rows)
-    axes.plot(middles, means, "-o", color=color, lw=1.8, ms=4.0, mec=theme.PAPER, mew=0.6)
+    axes.plot(middles, means, "-o", color=color, lw=1.8, ms=4.0, mec=colours.PAPER, mew=0.6)
 
 
 def _means(at: FloatArray, left: FloatArray, rows: BoolArray) -> tuple[list[float], list[float]]:

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from skiplatch.campaign import InputPath, Nominal, PlcNominal
-from skiplatch.figures import theme
+from skiplatch.figures import colours, theme
 from skiplatch.latch.effort import Effort
 from skiplatch.latch.errors import latch_errors
 from skiplatch.latch.probing import one_touch
@@ -43,10 +43,10 @@ def _scan(period_us: float) -> Nominal:
 
 
 INPUTS = (
-    Input("PLC scan, 4 ms", InputPath.PLC, _scan(4000.0), 4000.0, theme.PLC),
-    Input("PLC scan, 1 ms", InputPath.PLC, _scan(1000.0), 1000.0, theme.THIRD),
-    Input("skip input, 0.2 ms", InputPath.SKIP, direct_input(200.0), 200.0, theme.FOURTH),
-    Input("skip input, 4 µs", InputPath.SKIP, direct_input(4.0), 4.0, theme.SKIP),
+    Input("PLC scan, 4 ms", InputPath.PLC, _scan(4000.0), 4000.0, colours.PLC),
+    Input("PLC scan, 1 ms", InputPath.PLC, _scan(1000.0), 1000.0, colours.THIRD),
+    Input("skip input, 0.2 ms", InputPath.SKIP, direct_input(200.0), 200.0, colours.FOURTH),
+    Input("skip input, 4 µs", InputPath.SKIP, direct_input(4.0), 4.0, colours.SKIP),
 )
 
 
@@ -64,9 +64,9 @@ def draw_feeds(path: Path, effort: Effort) -> None:
             end = (float(FEEDS_MM_MIN[-1]), float(formula_um[-1]))
             theme.label(axes, entry.name, end, entry.color, offset=(9.0, 0.0))
         for feed, printed_um in DOCUMENT:
-            axes.plot(feed, printed_um, "o", ms=11, mew=1.6, mfc="none", mec=theme.INK)
+            axes.plot(feed, printed_um, "o", ms=11, mew=1.6, mfc="none", mec=colours.INK)
             text = f"{printed_um:g} µm"
-            theme.label(axes, text, (feed, printed_um), theme.INK, offset=(-8.0, 7.0), ha="right")
+            theme.label(axes, text, (feed, printed_um), colours.INK, offset=(-8.0, 7.0), ha="right")
 
 
 def _range_um(entry: Input, feed_mm_min: float, part: Effort) -> float:

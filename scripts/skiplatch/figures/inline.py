@@ -13,22 +13,7 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 from matplotlib.typing import RcKeyType
 
-from skiplatch.figures import theme
-
-VARIABLES = {
-    "paper": theme.PAPER,
-    "ink": theme.INK,
-    "muted": theme.MUTED,
-    "grid": theme.GRID,
-    "skip": theme.SKIP,
-    "skip-light": theme.SKIP_LIGHT,
-    "plc": theme.PLC,
-    "plc-light": theme.PLC_LIGHT,
-    "third": theme.THIRD,
-    "fourth": theme.FOURTH,
-    "red": theme.RED,
-}
-"""The page's variables of style, and the colours of the light scheme that they stand for."""
+from skiplatch.figures import colours, theme
 
 WIDTH_IN = 3.7
 STYLE: dict[RcKeyType, str | float] = {
@@ -84,6 +69,6 @@ def _inline(svg: str, name: str, description: str) -> str:
     body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
     body = re.sub(r"<svg [^>]*>", lambda _: opening, body, count=1)
     body = re.sub(r'( id="|href="#|url\(#)', rf"\g<1>{name}-", body)
-    for variable, colour in VARIABLES.items():
+    for variable, colour in colours.VARIABLES.items():
         body = body.replace(colour, f"var(--{variable})")
     return body

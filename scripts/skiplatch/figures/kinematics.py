@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.axes import Axes
 
-from skiplatch.figures import theme
+from skiplatch.figures import colours
 from skiplatch.figures.inline import Drawing, drawing, panel
 from skiplatch.kinematics.evaluation import AxisResult
 
@@ -31,9 +31,9 @@ def _draw(axis: AxisResult, i: int, title: str, name: str) -> Drawing:
     after_mm = np.append(axis.after_mm[:, i], 0.0)[order]
     with panel(HEIGHT_IN) as figure:
         axes = figure.subplots()
-        axes.axhline(0.0, color=theme.MUTED, lw=0.8)
-        axes.plot(angle_deg, before_mm, "o-", color=theme.RED, ms=4, lw=1.4)
-        axes.plot(angle_deg, after_mm, "s-", color=theme.FOURTH, ms=3.5, lw=1.4)
+        axes.axhline(0.0, color=colours.MUTED, lw=0.8)
+        axes.plot(angle_deg, before_mm, "o-", color=colours.RED, ms=4, lw=1.4)
+        axes.plot(angle_deg, after_mm, "s-", color=colours.FOURTH, ms=3.5, lw=1.4)
         _set_up(axes, axis.letter, title, np.concatenate([before_mm, after_mm]))
         described = (
             f"{title}, the error of axis {axis.letter} in {coordinate}, in mm over its angle from "

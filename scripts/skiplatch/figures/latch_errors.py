@@ -7,15 +7,15 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from skiplatch.campaign import InputPath
-from skiplatch.figures import theme
+from skiplatch.figures import colours, theme
 from skiplatch.latch.distribution import Summary
 from skiplatch.latch.errors import LatchErrors
 from skiplatch.latch.text import TITLES
 from skiplatch.tables import compact, whole
 
 COLORS = {
-    InputPath.SKIP: (theme.SKIP, theme.SKIP_LIGHT),
-    InputPath.PLC: (theme.PLC, theme.PLC_LIGHT),
+    InputPath.SKIP: (colours.SKIP, colours.SKIP_LIGHT),
+    InputPath.PLC: (colours.PLC, colours.PLC_LIGHT),
 }
 PANEL_IN = 2.3
 HEAD_IN = 0.7
@@ -55,10 +55,10 @@ def _draw_panel(axes: Axes, path: InputPath, latency_us: Summary) -> None:
 
 def _mark_bias(axes: Axes, found: LatchErrors) -> None:
     bias_us = found.latency_us.mean.value
-    axes.axvline(bias_us, ymax=BIAS_AT, color=theme.INK, lw=1.2)
+    axes.axvline(bias_us, ymax=BIAS_AT, color=colours.INK, lw=1.2)
     at = (bias_us, BIAS_AT * axes.get_ylim()[1])
     text = f"bias {_both(bias_us, found.position_um.mean.value)}"
-    theme.label(axes, text, at, theme.INK, offset=(6.0, -7.0))
+    theme.label(axes, text, at, colours.INK, offset=(6.0, -7.0))
 
 
 def _mark_spread(axes: Axes, found: LatchErrors) -> None:
@@ -67,7 +67,7 @@ def _mark_spread(axes: Axes, found: LatchErrors) -> None:
     theme.span(axes, (low_us, height), (high_us, height))
     text = f"spread {_both(found.latency_us.range.value, found.position_um.range.value)}"
     at = ((low_us + high_us) / 2.0, height)
-    theme.label(axes, text, at, theme.INK, offset=(0.0, 0.0), ha="center")
+    theme.label(axes, text, at, colours.INK, offset=(0.0, 0.0), ha="center")
 
 
 def _both(us: float, um: float) -> str:

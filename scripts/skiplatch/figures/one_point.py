@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath
-from skiplatch.figures import theme
+from skiplatch.figures import colours, theme
 from skiplatch.latch.seed_document.cycles import FITTED_BACK_OFF_MM
 from skiplatch.latch.seed_document.model import FAST_MM_MIN, SLOW_MM_MIN
 from skiplatch.planner.document import DOCUMENT_LIMITS
@@ -38,15 +38,15 @@ def draw_one_point(path: Path) -> None:
     """Draw the motion of both strategies of the document, one above the other."""
     with theme.picture(path, WORDS) as figure:
         above, below = figure.subplots(2, sharex=True, sharey=True)
-        _draw(above, "one touch, 3000 mm/min", legs(LIMITS, ONE), theme.PLC)
+        _draw(above, "one touch, 3000 mm/min", legs(LIMITS, ONE), colours.PLC)
         two = legs(LIMITS, TWO)
-        _draw(below, "two touches, 3000 and 30 mm/min", two, theme.SKIP)
+        _draw(below, "two touches, 3000 and 30 mm/min", two, colours.SKIP)
         below.set_xlabel("time, s")
 
 
 def _draw(axes: Axes, name: str, motion: Sequence[Leg], color: str) -> None:
     time_s, feed_mm_min = _profile(motion)
-    axes.axhline(0.0, color=theme.MUTED, lw=0.8)
+    axes.axhline(0.0, color=colours.MUTED, lw=0.8)
     axes.plot(time_s, feed_mm_min, lw=1.6, color=color)
     axes.set_title(name, loc="left")
     axes.set_ylabel("feed, mm/min")
@@ -56,7 +56,7 @@ def _draw(axes: Axes, name: str, motion: Sequence[Leg], color: str) -> None:
     start_s = 0.0
     for leg in motion:
         if leg.contact_s is not None:
-            axes.plot(start_s + leg.contact_s, leg.feed_mm_min, "o", ms=5, color=theme.INK)
+            axes.plot(start_s + leg.contact_s, leg.feed_mm_min, "o", ms=5, color=colours.INK)
         start_s += leg.time_s
     theme.label(axes, f"{time_s[-1]:.3f} s", (time_s[-1], 0.0), color, offset=(6.0, 12.0))
 

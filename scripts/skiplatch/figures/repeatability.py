@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from skiplatch.figures import theme
+from skiplatch.figures import colours, theme
 from skiplatch.figures.inline import Drawing, drawing, panel
 from skiplatch.repeatability import Repeatability
 from skiplatch.repeatability_words import OfPath
@@ -49,9 +49,9 @@ def _described(found: Repeatability) -> str:
 def _draw(axes: Axes, found: Repeatability) -> None:
     number = np.arange(len(found.touches))
     marked = np.isin(found.touches, found.outliers)
-    axes.axhspan(-found.sigma.value, found.sigma.value, color=theme.SKIP_LIGHT, linewidth=0)
-    axes.plot(number[~marked], found.off[~marked], "o", color=theme.SKIP, markersize=3.5)
-    axes.plot(number[marked], found.off[marked], "x", color=theme.RED, markersize=7)
+    axes.axhspan(-found.sigma.value, found.sigma.value, color=colours.SKIP_LIGHT, linewidth=0)
+    axes.plot(number[~marked], found.off[~marked], "o", color=colours.SKIP, markersize=3.5)
+    axes.plot(number[marked], found.off[marked], "x", color=colours.RED, markersize=7)
     axes.set_xlabel("touch")
     axes.set_ylabel(f"off the middle, {found.unit}")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))

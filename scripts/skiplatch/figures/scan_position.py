@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath
-from skiplatch.figures import theme
+from skiplatch.figures import colours, theme
 from skiplatch.latch.probing import one_touch
 from skiplatch.latch.seed_document.example import FIRST_WAIT_US, SECOND_WAIT_US, wait_from_zero_us
 from skiplatch.latch.seed_document.model import FAST_MM_MIN, IDEAL
@@ -37,12 +37,12 @@ def draw_scan_position(path: Path, *, seed: int) -> None:
     with theme.picture(path, WORDS) as figure:
         axes = figure.subplots()
         _set_up(axes)
-        axes.plot(times_us / 1e3, polled_um, "o", ms=3.6, mew=0, color=theme.PLC)
-        axes.plot(times_us / 1e3, latched_um, "o", ms=3.6, mew=0, color=theme.SKIP)
+        axes.plot(times_us / 1e3, polled_um, "o", ms=3.6, mew=0, color=colours.PLC)
+        axes.plot(times_us / 1e3, latched_um, "o", ms=3.6, mew=0, color=colours.SKIP)
         _mark(axes, marked_um)
-        theme.label(axes, "skip input, no delay", (times_us[-1] / 1e3, 0.0), theme.SKIP)
+        theme.label(axes, "skip input, no delay", (times_us[-1] / 1e3, 0.0), colours.SKIP)
         last_scan = (times_us[-TOUCHES_PER_SCAN] / 1e3, polled_um[-TOUCHES_PER_SCAN])
-        theme.label(axes, "PLC task", last_scan, theme.PLC, offset=(12.0, 4.0))
+        theme.label(axes, "PLC task", last_scan, colours.PLC, offset=(12.0, 4.0))
 
 
 def _deviation_um(path: InputPath, times_us: FloatArray, seed: int) -> FloatArray:
@@ -64,22 +64,22 @@ def _set_up(axes: Axes) -> None:
     axes.set_xticks(scans_ms)
     axes.grid(axis="x", visible=False)
     for scan_ms in scans_ms:
-        axes.axvline(scan_ms, color=theme.MUTED, lw=0.9, ls=(0, (2, 3)))
+        axes.axvline(scan_ms, color=colours.MUTED, lw=0.9, ls=(0, (2, 3)))
 
 
 def _mark(axes: Axes, marked_um: FloatArray) -> None:
     """Mark the two edges of the worked example, and by how much they differ."""
     times_ms = MARKED_US / 1e3
-    axes.plot(times_ms, marked_um, "o", ms=9, zorder=3, mew=2, mfc=theme.PAPER, mec=theme.INK)
+    axes.plot(times_ms, marked_um, "o", ms=9, zorder=3, mew=2, mfc=colours.PAPER, mec=colours.INK)
     for time_ms, error_um in zip(times_ms, marked_um, strict=True):
-        axes.plot([time_ms, ARROW_MS], [error_um] * 2, color=theme.INK, lw=0.8, ls=(0, (4, 3)))
+        axes.plot([time_ms, ARROW_MS], [error_um] * 2, color=colours.INK, lw=0.8, ls=(0, (4, 3)))
     first, second = zip(times_ms, marked_um, strict=True)
     first_text, second_text = (
         f"seen {wait_us / 1e3:g} ms later:\n{error_um:.1f} µm"
         for wait_us, error_um in zip((FIRST_WAIT_US, SECOND_WAIT_US), marked_um, strict=True)
     )
-    theme.label(axes, first_text, first, theme.INK, offset=(10.0, 7.0), va="bottom")
-    theme.label(axes, second_text, second, theme.INK, offset=(-10.0, -6.0), ha="right")
+    theme.label(axes, first_text, first, colours.INK, offset=(10.0, 7.0), va="bottom")
+    theme.label(axes, second_text, second, colours.INK, offset=(-10.0, -6.0), ha="right")
     theme.span(axes, (ARROW_MS, first[1]), (ARROW_MS, second[1]))
     middle = (ARROW_MS, float(marked_um.mean()))
-    theme.label(axes, f"{np.ptp(marked_um):.0f} µm\napart", middle, theme.INK)
+    theme.label(axes, f"{np.ptp(marked_um):.0f} µm\napart", middle, colours.INK)

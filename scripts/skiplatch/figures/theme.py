@@ -19,34 +19,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.typing import RcKeyType
 
+from skiplatch.figures.colours import DARK, GRID, INK, MUTED, PAPER
 from skiplatch.files import atomic_write_text, failures_named
 from skiplatch.undo import make_folders
-
-PAPER = "#fffffe"
-INK = "#1f2328"
-MUTED = "#59636e"
-GRID = "#dfe3e8"
-SKIP = "#0a64c8"
-SKIP_LIGHT = "#a9cdf5"
-PLC = "#b84a00"
-PLC_LIGHT = "#f6c59d"
-THIRD = "#6f42c1"
-FOURTH = "#1a7f37"
-RED = "#c9252d"
-
-DARK = {
-    PAPER: "#0d1117",
-    INK: "#e6edf3",
-    MUTED: "#9aa4af",
-    GRID: "#262c34",
-    SKIP: "#6cb2ff",
-    SKIP_LIGHT: "#1d4470",
-    PLC: "#ff9f4a",
-    PLC_LIGHT: "#6b3a12",
-    THIRD: "#c4a5ff",
-    FOURTH: "#56d364",
-    RED: "#ff7b72",
-}
 
 STYLE: dict[RcKeyType, Any] = {
     "figure.facecolor": PAPER,

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from skiplatch.figures import theme
+from skiplatch.figures import colours, theme
 from skiplatch.figures.inline import Drawing, drawing, panel
 from skiplatch.tables import compact, number
 from skiplatch.transmission.spectrum import Order
@@ -30,14 +30,14 @@ def draw_turn(values: Values) -> Drawing:
             degrees,
             curve.low_arcsec - middle,
             curve.high_arcsec - middle,
-            color=theme.SKIP_LIGHT,
+            color=colours.SKIP_LIGHT,
             lw=0,
         )
         first = np.argsort(curve.first_turn)
         axes.plot(
             DEG_PER_TURN * curve.first_turn[first],
             curve.first_arcsec[first] - middle,
-            color=theme.SKIP,
+            color=colours.SKIP,
             lw=1.2,
         )
         axes.set_xlabel("angle of the output, deg")
@@ -60,12 +60,12 @@ def draw_orders(values: Values) -> Drawing:
         axes = figure.subplots()
         places = [order.order for order in orders]
         sizes = [order.amplitude_arcsec for order in orders]
-        axes.vlines(places, 0.5 * min(sizes), sizes, color=theme.SKIP, lw=1.4)
-        axes.plot(places, sizes, "o", ms=4.0, mew=0, color=theme.SKIP)
+        axes.vlines(places, 0.5 * min(sizes), sizes, color=colours.SKIP, lw=1.4)
+        axes.plot(places, sizes, "o", ms=4.0, mew=0, color=colours.SKIP)
         for order in _far_apart(orders):
             at = (order.order, order.amplitude_arcsec)
             text = compact(order.order, 5)
-            theme.label(axes, text, at, theme.INK, offset=(0.0, 7.0), ha="center", va="bottom")
+            theme.label(axes, text, at, colours.INK, offset=(0.0, 7.0), ha="center", va="bottom")
         axes.set_xscale("log")
         axes.set_yscale("log")
         axes.set_ylim(0.5 * min(sizes), ROOM * max(sizes))

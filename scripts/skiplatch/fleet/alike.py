@@ -120,4 +120,4 @@ def _scatter(values: np.ndarray) -> float:
 
 def _limit(rigs: int) -> float:
     """Give the limit in standard deviations; few rigs tell theirs badly, hence Student's t."""
-    return float(scipy.stats.t.ppf(1.0 - CHANCE / rigs, rigs - 1))
+    return float(scipy.special.stdtrit(rigs - 1, 1.0 - CHANCE / rigs))

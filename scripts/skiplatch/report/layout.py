@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from skiplatch.figures.inline import VARIABLES
-from skiplatch.figures.theme import DARK
+from skiplatch.figures.colours import DARK, VARIABLES
 
 
 @dataclass(frozen=True, slots=True)
