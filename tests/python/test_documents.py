@@ -60,7 +60,6 @@ ELSEWHERE = {
     "diagnose build/cpu_load": "tests/python/test_bench_samples.py",
     "diagnose mill": "tests/python/test_ten_minutes.py",
     "diagnose scripts/samples/bench_isr_latency scripts": "tests/python/test_diagnose_command.py",
-    "eval ": "tests/python/test_outputs.py",
     "fleet watch": "tests/python/test_fleet_watch.py",
     "bench monitor": "tests/python/test_bench_command.py",
     "bench run": "tests/bench/test_bench_run.py",

@@ -20,6 +20,7 @@ from skiplatch.campaign import read_campaign
 from skiplatch.cli import group
 from skiplatch.commands.outputs import OutputFolder
 from skiplatch.errors import InputError
+from skiplatch.places import ROOT
 
 LOG = Path(__file__).parent / "data" / "logs" / "klippy.log"
 WRITTEN = [place for place in places() if place.is_output]
@@ -130,19 +131,45 @@ def test_only_one_document_goes_to_stdout(tmp_path: Path) -> None:
     assert "<svg" in page.read_text()
 
 
-def test_shell_completes_commands() -> None:
+@pytest.mark.parametrize(
+    ("shell", "at", "said"),
+    [
+        ("bash", "1", "plain,diagnose"),
+        ("zsh", "1", "plain\ndiagnose\nSay where the gap of each CAMPAIGN lies,..."),
+        ("fish", "diag", "plain,diagnose\tSay where the gap of each CAMPAIGN lies,..."),
+    ],
+)
+def test_shell_completes_commands(shell: str, at: str, said: str) -> None:
     command = [sys.executable, "-m", "skiplatch"]
-    environment = {"_SKIPLATCH_COMPLETE": "bash_complete", "COMP_WORDS": "skiplatch diag"}
+    environment = {"_SKIPLATCH_COMPLETE": f"{shell}_complete", "COMP_WORDS": "skiplatch diag"}
 
     done = subprocess.run(
         command,
-        env={**environment, "COMP_CWORD": "1"},
+        env={**environment, "COMP_CWORD": at},
         capture_output=True,
         text=True,
         check=False,
     )
 
-    assert done.stdout.split() == ["plain,diagnose"]
+    assert done.stdout.strip() == said
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_line_of_the_tutorial_makes_a_shell_complete(shell: str) -> None:
+    page = (ROOT / "docs/TUTORIAL.md").read_text()
+    variable = f"_SKIPLATCH_COMPLETE={shell}_source"
+
+    done = subprocess.run(
+        [sys.executable, "-m", "skiplatch"],
+        env=dict([variable.split("=")]),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+    assert f'eval "$({variable} skiplatch)"' in page
+    assert "_skiplatch_completion" in done.stdout
+    assert f"{shell}_complete" in done.stdout
 
 
 def leaves(
