@@ -157,7 +157,7 @@ void transmission_restart(transmission_t *t)
     t->lines = 0;
     t->beyond = 0;
     t->phase_q32 = 0u;
-    t->unrolled_q32 = 0;
+    t->unwrapped_q32 = 0;
     t->index[0] = (transmission_index_t){0};
     t->index[1] = (transmission_index_t){0};
     t->ready_count = 0u;

@@ -102,7 +102,7 @@ typedef struct {
     int32_t              lines;         /* ... lines + remainder / step_under */
     int64_t              reference_q32; /* the same with its fraction, at the last point */
     int64_t              expected_q32;  /* and at the point before: what was expected of it */
-    int64_t              unrolled_q32;  /* phase comparison: turns of phase since the first point */
+    int64_t              unwrapped_q32; /* phase comparison: turns of phase since the first point */
     uint32_t             phase_q32;
     uint32_t             expected_ticks; /* when the denser train's last good pulse was due */
     pulse_train_t        gate;

@@ -78,13 +78,13 @@ static int64_t to_nas(const transmission_t *t, int64_t lines_q32)
 }
 
 /* The phase within a line says nothing of whole lines: the nearest one is taken. */
-static int64_t unroll(transmission_t *t, int64_t difference)
+static int64_t unwrap(transmission_t *t, int64_t difference)
 {
     uint32_t phase = (uint32_t)(uint64_t)difference;
     uint32_t turned = phase - t->phase_q32;
     t->phase_q32 = phase;
-    t->unrolled_q32 += turned < UINT32_C(1) << 31 ? (int64_t)turned : (int64_t)turned - ONE_Q32;
-    return t->unrolled_q32;
+    t->unwrapped_q32 += turned < UINT32_C(1) << 31 ? (int64_t)turned : (int64_t)turned - ONE_Q32;
+    return t->unwrapped_q32;
 }
 
 /* A lag of the gate, from the middle of its range. */
@@ -116,7 +116,7 @@ static bool measure(transmission_t *t, uint8_t lines, uint32_t ticks, uint8_t de
         *value = difference_q32(t, dense_lines * (ONE_Q32 / 2));
         return true;
     case TRANSMISSION_PHASE_SUBDIVIDED:
-        *value = unroll(t, t->reference_q32);
+        *value = unwrap(t, t->reference_q32);
         return true;
     case TRANSMISSION_PHASE_DIGITAL:
     case TRANSMISSION_PHASE_ANALOG:

@@ -10,7 +10,8 @@
 
 /* ---- parameters, and errors in words ---- */
 
-int sim_451_set(sim_451_t *play, uint16_t id, double value, int32_t word)
+int sim_measure_kinematics_set(sim_measure_kinematics_t *play, uint16_t id, double value,
+                               int32_t word)
 {
     if (word != KINEMATICS_NUMBER) {
         return (int)kinematics_settings_set_word(&play->settings, id, (kinematics_word_t)word);
@@ -18,17 +19,18 @@ int sim_451_set(sim_451_t *play, uint16_t id, double value, int32_t word)
     return (int)kinematics_settings_set(&play->settings, id, value);
 }
 
-const char *sim_451_phrase(int setting_error)
+const char *sim_measure_kinematics_phrase(int setting_error)
 {
     return kinematics_settings_phrase((kinematics_setting_error_t)setting_error);
 }
 
-const char *sim_451_fault_phrase(int error)
+const char *sim_measure_kinematics_fault_phrase(int error)
 {
     return kinematics_cycle_phrase((kinematics_cycle_error_t)error);
 }
 
-const char *sim_451_limits(int32_t number, uint16_t id, double *low, double *high, double *initial)
+const char *sim_measure_kinematics_limits(int32_t number, uint16_t id, double *low, double *high,
+                                          double *initial)
 {
     kinematics_kind_t                       kind = number == 452   ? KINEMATICS_COMPENSATE_PRESET
                                                    : number == 453 ? KINEMATICS_MEASURE_GRID
@@ -63,7 +65,7 @@ static int asked(const kinematics_cycle_request_t *request)
     }
 }
 
-static int run_on(sim_451_t *play)
+static int run_on(sim_measure_kinematics_t *play)
 {
     kinematics_cycle_request_t request;
     while (kinematics_cycle_poll(&play->cycle, &play->input) == KINEMATICS_CYCLE_RUNNING) {
@@ -82,7 +84,7 @@ static int run_on(sim_451_t *play)
     return play->cycle.state == KINEMATICS_CYCLE_DONE ? SIM_451_DONE : SIM_451_FAILED;
 }
 
-int sim_451_run(sim_451_t *play)
+int sim_measure_kinematics_run(sim_measure_kinematics_t *play)
 {
     if (!play->is_started) {
         kinematics_cycle_machine_t machine = five_axis_described(play);
@@ -96,7 +98,8 @@ int sim_451_run(sim_451_t *play)
     return run_on(play);
 }
 
-int sim_451_run_measured(sim_451_t *play, const sim_station_t *stations, uint32_t n)
+int sim_measure_kinematics_run_measured(sim_measure_kinematics_t *play,
+                                        const sim_station_t *stations, uint32_t n)
 {
     kinematics_cycle_machine_t machine = five_axis_described(play);
     kinematics_station_t       measured[KINEMATICS_STATIONS_MAX];
@@ -113,7 +116,8 @@ int sim_451_run_measured(sim_451_t *play, const sim_station_t *stations, uint32_
     return run_on(play);
 }
 
-int sim_451_answer(sim_451_t *play, double change_mm, int32_t is_possible)
+int sim_measure_kinematics_answer(sim_measure_kinematics_t *play, double change_mm,
+                                  int32_t is_possible)
 {
     play->input.change_mm = change_mm;
     play->input.outcome =
@@ -139,7 +143,8 @@ void sim_machine_compensation(const sim_machine_t *believed, const double angle_
     five_axis_compensation(&belief, angle_deg, offset_mm);
 }
 
-uint32_t sim_451_stations(const sim_451_t *play, sim_station_t *stations, uint32_t capacity)
+uint32_t sim_measure_kinematics_stations(const sim_measure_kinematics_t *play,
+                                         sim_station_t *stations, uint32_t capacity)
 {
     const kinematics_plan_t *plan = kinematics_cycle_plan(&play->cycle);
     for (uint32_t i = 0; i < plan->measured && i < capacity; ++i) {
@@ -158,12 +163,13 @@ uint32_t sim_451_stations(const sim_451_t *play, sim_station_t *stations, uint32
     return plan->measured;
 }
 
-void sim_451_report(const sim_451_t *play, sim_451_report_t *report)
+void sim_measure_kinematics_report(const sim_measure_kinematics_t  *play,
+                                   sim_measure_kinematics_report_t *report)
 {
     const kinematics_cycle_fault_t         *fault = kinematics_cycle_fault(&play->cycle);
     const kinematics_setting_description_t *row =
         kinematics_settings_describe((uint32_t)fault->parameter);
-    *report = (sim_451_report_t){
+    *report = (sim_measure_kinematics_report_t){
         .change_mm = play->change_mm,
         .duration_s = play->duration_s,
         .touches = play->touches,

@@ -15,7 +15,7 @@
 
 #pragma GCC visibility push(default)
 
-typedef struct sim_451 sim_451_t;
+typedef struct sim_measure_kinematics sim_measure_kinematics_t;
 
 /* How the controller is set up, and where the operator has left the machine. */
 typedef struct {
@@ -44,7 +44,7 @@ typedef struct {
     int32_t path;       /* SIM_PATH_* of every touch */
 } sim_control_t;
 
-/* Why sim_451_run() came back. */
+/* Why sim_measure_kinematics_run() came back. */
 enum {
     SIM_451_EVALUATE = 0,
     SIM_451_ACKNOWLEDGE = 1,
@@ -67,53 +67,58 @@ typedef struct {
     int32_t presets;
     int32_t is_tilted; /* 3-D ROT of the automatic mode, at tilt_deg of A, B, C */
     double  tilt_deg[3];
-} sim_451_report_t;
+} sim_measure_kinematics_report_t;
 
 /*
  * Switch on a machine that is as `truth` and is believed to be as `believed`, the errors of which
  * are not looked at. Returns SIM_PLAY_OK, or the SIM_PLAY_ERR_… of what cannot be played and NULL
  * in `opened`. What it is given is copied.
  */
-int  sim_451_open(const sim_rig_t *rig, const sim_machine_t *truth, const sim_machine_t *believed,
-                  const sim_control_t *control, sim_451_t **opened);
-void sim_451_close(sim_451_t *play);
+int  sim_measure_kinematics_open(const sim_rig_t *rig, const sim_machine_t *truth,
+                                 const sim_machine_t *believed, const sim_control_t *control,
+                                 sim_measure_kinematics_t **opened);
+void sim_measure_kinematics_close(sim_measure_kinematics_t *play);
 
 /*
  * Make it cycle 452, before any parameter is set: the preset is not the operator's of today, but
  * was set in a sphere that is believed to stand at `sphere_mm` at zero.
  */
-void sim_451_keep_preset(sim_451_t *play, const double sphere_mm[3]);
+void sim_measure_kinematics_keep_preset(sim_measure_kinematics_t *play, const double sphere_mm[3]);
 
 /* Make it cycle 453, before any parameter is set, over the grid of what is believed. */
-void sim_451_measure_grid(sim_451_t *play);
+void sim_measure_kinematics_measure_grid(sim_measure_kinematics_t *play);
 
 /*
  * Set Q<id> to a number, or with `word` (kinematics_word_t, not 0) to a word. Returns
- * kinematics_setting_error_t; sim_451_phrase() says it in words.
+ * kinematics_setting_error_t; sim_measure_kinematics_phrase() says it in words.
  */
-int         sim_451_set(sim_451_t *play, uint16_t id, double value, int32_t word);
-const char *sim_451_phrase(int setting_error);
+int         sim_measure_kinematics_set(sim_measure_kinematics_t *play, uint16_t id, double value,
+                                       int32_t word);
+const char *sim_measure_kinematics_phrase(int setting_error);
 
-/* A phrase for sim_451_report_t.error. */
-const char *sim_451_fault_phrase(int error);
+/* A phrase for sim_measure_kinematics_report_t.error. */
+const char *sim_measure_kinematics_fault_phrase(int error);
 
 /* Limits of Q<id>, its default and its name; NULL if cycle `number` has no such parameter. */
-const char *sim_451_limits(int32_t number, uint16_t id, double *low, double *high, double *initial);
+const char *sim_measure_kinematics_limits(int32_t number, uint16_t id, double *low, double *high,
+                                          double *initial);
 
 /* Start the cycle (once), and run until it comes back for something. */
-int sim_451_run(sim_451_t *play);
+int sim_measure_kinematics_run(sim_measure_kinematics_t *play);
 
 /*
  * Start the cycle (once) with what was measured elsewhere: it obeys the same rules, and comes back
  * for the evaluation without a motion. At most as many stations as a cycle has.
  */
-int sim_451_run_measured(sim_451_t *play, const sim_station_t *stations, uint32_t n);
+int sim_measure_kinematics_run_measured(sim_measure_kinematics_t *play,
+                                        const sim_station_t *stations, uint32_t n);
 
 /* Answer what the cycle came back for, and run on. */
-int sim_451_answer(sim_451_t *play, double change_mm, int32_t is_possible);
+int sim_measure_kinematics_answer(sim_measure_kinematics_t *play, double change_mm,
+                                  int32_t is_possible);
 
 /* From now on the controller believes this of its axes. */
-void sim_451_believe(sim_451_t *play, const sim_machine_t *believed);
+void sim_measure_kinematics_believe(sim_measure_kinematics_t *play, const sim_machine_t *believed);
 
 /*
  * What a sphere that stands at `sphere_mm` at zero should read at these angles of A, B, C, by
@@ -127,8 +132,10 @@ void sim_machine_compensation(const sim_machine_t *believed, const double angle_
                               double offset_mm[3]);
 
 /* Write up to `capacity` measurements, and return how many there are. */
-uint32_t sim_451_stations(const sim_451_t *play, sim_station_t *stations, uint32_t capacity);
-void     sim_451_report(const sim_451_t *play, sim_451_report_t *report);
+uint32_t sim_measure_kinematics_stations(const sim_measure_kinematics_t *play,
+                                         sim_station_t *stations, uint32_t capacity);
+void     sim_measure_kinematics_report(const sim_measure_kinematics_t  *play,
+                                       sim_measure_kinematics_report_t *report);
 
 #pragma GCC visibility pop
 

@@ -10,7 +10,7 @@
 #include "api/five_axis_rig.h"
 #include "cycle/kinematics_cycle.h"
 
-struct sim_451 {
+struct sim_measure_kinematics {
     five_axis_rig_t          rig;
     sim_machine_t            truth;
     five_axis_belief_t       belief;

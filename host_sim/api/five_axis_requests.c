@@ -8,7 +8,7 @@
 #define MOVE_S    1.0 /* of the virtual clock, for a motion of the linear axes */
 
 /* A motion at the programmed feed; mm and degrees alike. */
-static void take_time(sim_451_t *play, double way, double feed_per_min)
+static void take_time(sim_measure_kinematics_t *play, double way, double feed_per_min)
 {
     play->duration_s += feed_per_min > 0.0 ? way / feed_per_min * S_PER_MIN : 0.0;
 }
@@ -22,7 +22,7 @@ static double apart(const double a[3], const double b[3])
     return sqrt(square);
 }
 
-static void turn(sim_451_t *play, const kinematics_cycle_request_t *request)
+static void turn(sim_measure_kinematics_t *play, const kinematics_cycle_request_t *request)
 {
     double sphere_mm[3];
     double goes_mm[3];
@@ -45,7 +45,7 @@ static void turn(sim_451_t *play, const kinematics_cycle_request_t *request)
 }
 
 /* A straight motion that is watched: false if the ball strikes the sphere on its way. */
-static bool move(sim_451_t *play, const double target_mm[3])
+static bool move(sim_measure_kinematics_t *play, const double target_mm[3])
 {
     double way[3];
     double length = 0.0;
@@ -65,7 +65,7 @@ static bool move(sim_451_t *play, const double target_mm[3])
     return !(free_mm > 0.0 && free_mm < length);
 }
 
-static bool touch(sim_451_t *play, const kinematics_cycle_request_t *request)
+static bool touch(sim_measure_kinematics_t *play, const kinematics_cycle_request_t *request)
 {
     ++play->touches;
     five_axis_copy(play->position_mm, request->target_mm);
@@ -76,7 +76,7 @@ static bool touch(sim_451_t *play, const kinematics_cycle_request_t *request)
     return touched;
 }
 
-static void retract(sim_451_t *play, const kinematics_cycle_request_t *request)
+static void retract(sim_measure_kinematics_t *play, const kinematics_cycle_request_t *request)
 {
     double from_mm[3];
     five_axis_copy(from_mm, play->position_mm);
@@ -86,7 +86,7 @@ static void retract(sim_451_t *play, const kinematics_cycle_request_t *request)
     take_time(play, apart(from_mm, play->position_mm), request->feed_mm_min);
 }
 
-bool five_axis_carry_out(sim_451_t *play, const kinematics_cycle_request_t *request)
+bool five_axis_carry_out(sim_measure_kinematics_t *play, const kinematics_cycle_request_t *request)
 {
     switch (request->kind) {
     case KINEMATICS_CYCLE_CANCEL_ROTATION:

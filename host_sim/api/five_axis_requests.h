@@ -8,6 +8,6 @@
 #include "cycle/kinematics_cycle.h"
 
 /* Carry out what is this side's work; false for what could not be done. */
-bool five_axis_carry_out(sim_451_t *play, const kinematics_cycle_request_t *request);
+bool five_axis_carry_out(sim_measure_kinematics_t *play, const kinematics_cycle_request_t *request);
 
 #endif

@@ -9,7 +9,7 @@
 /* ---- as the operator leaves it ---- */
 
 /* The operator puts the tip above the preset. */
-static void stand_above(sim_451_t *play)
+static void stand_above(sim_measure_kinematics_t *play)
 {
     double up[3];
     double above_mm =
@@ -20,7 +20,7 @@ static void stand_above(sim_451_t *play)
 
 /* The operator turns the axes to where the program begins, sets the preset and puts the tip above
  * the sphere. */
-static void prepare(sim_451_t *play)
+static void prepare(sim_measure_kinematics_t *play)
 {
     for (int32_t i = 0; i < SIM_ROTARIES; ++i) {
         five_axis_turn(&play->rig, i,
@@ -32,14 +32,14 @@ static void prepare(sim_451_t *play)
     stand_above(play);
 }
 
-void sim_451_keep_preset(sim_451_t *play, const double sphere_mm[3])
+void sim_measure_kinematics_keep_preset(sim_measure_kinematics_t *play, const double sphere_mm[3])
 {
     five_axis_expect(&play->belief, sphere_mm, play->control.start_deg, play->preset_mm);
     kinematics_settings_reset(&play->settings, KINEMATICS_COMPENSATE_PRESET);
     stand_above(play);
 }
 
-void sim_451_measure_grid(sim_451_t *play)
+void sim_measure_kinematics_measure_grid(sim_measure_kinematics_t *play)
 {
     kinematics_settings_reset(&play->settings, KINEMATICS_MEASURE_GRID);
 }
@@ -57,8 +57,9 @@ static bool is_control(const sim_control_t *control)
            (control->path == SIM_PATH_SKIP || control->path == SIM_PATH_PLC);
 }
 
-int sim_451_open(const sim_rig_t *rig, const sim_machine_t *truth, const sim_machine_t *believed,
-                 const sim_control_t *control, sim_451_t **opened)
+int sim_measure_kinematics_open(const sim_rig_t *rig, const sim_machine_t *truth,
+                                const sim_machine_t *believed, const sim_control_t *control,
+                                sim_measure_kinematics_t **opened)
 {
     sim_rig_t setup = *rig;
     int wrong = is_control(control) ? five_axis_check(truth, believed, rig) : SIM_PLAY_ERR_CONTROL;
@@ -66,7 +67,7 @@ int sim_451_open(const sim_rig_t *rig, const sim_machine_t *truth, const sim_mac
     if (wrong != SIM_PLAY_OK) {
         return wrong;
     }
-    sim_451_t *play = calloc(1u, sizeof *play);
+    sim_measure_kinematics_t *play = calloc(1u, sizeof *play);
     if (play == NULL) {
         return SIM_PLAY_ERR_MEMORY;
     }
@@ -84,12 +85,12 @@ int sim_451_open(const sim_rig_t *rig, const sim_machine_t *truth, const sim_mac
     return SIM_PLAY_OK;
 }
 
-void sim_451_close(sim_451_t *play)
+void sim_measure_kinematics_close(sim_measure_kinematics_t *play)
 {
     free(play);
 }
 
-void sim_451_believe(sim_451_t *play, const sim_machine_t *believed)
+void sim_measure_kinematics_believe(sim_measure_kinematics_t *play, const sim_machine_t *believed)
 {
     five_axis_believe(&play->belief, believed);
 }
@@ -106,7 +107,7 @@ static bool is_stacked(const sim_machine_t *machine)
     return machine->table[1] >= 0 || machine->head[1] >= 0;
 }
 
-kinematics_cycle_machine_t five_axis_described(const sim_451_t *play)
+kinematics_cycle_machine_t five_axis_described(const sim_measure_kinematics_t *play)
 {
     const sim_control_t       *control = &play->control;
     kinematics_cycle_machine_t machine = {

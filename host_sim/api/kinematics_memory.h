@@ -14,44 +14,47 @@ enum {
     SIM_450_WRITE_MAX = 32,
     SIM_450_PAYLOAD_MAX = 272,
     SIM_450_TEXT_MAX = 17,
-    SIM_450_DAMAGED = 8 /* of sim_450_check() */
+    SIM_450_DAMAGED = 8 /* of sim_kinematics_memory_check() */
 };
 
-typedef struct sim_450 sim_450_t;
+typedef struct sim_kinematics_memory sim_kinematics_memory_t;
 
 /* Size of the memory. */
-uint32_t sim_450_bytes(void);
+uint32_t sim_kinematics_memory_bytes(void);
 
 /*
- * Mount a copy of sim_450_bytes() of memory; NULL without memory for that. What a power cut left
- * undone are the next writes.
+ * Mount a copy of sim_kinematics_memory_bytes() of memory; NULL without memory for that. What a
+ * power cut left undone are the next writes.
  */
-sim_450_t *sim_450_open(const uint8_t *memory);
-void       sim_450_close(sim_450_t *play);
+sim_kinematics_memory_t *sim_kinematics_memory_open(const uint8_t *memory);
+void                     sim_kinematics_memory_close(sim_kinematics_memory_t *play);
 
 /*
- * Whether the memory can be used: kinematics_store_error_t. sim_450_discard_damaged() goes on with
- * what is left of one that has lost bits; then there are writes to carry out.
+ * Whether the memory can be used: kinematics_store_error_t. sim_kinematics_memory_discard_damaged()
+ * goes on with what is left of one that has lost bits; then there are writes to carry out.
  */
-int sim_450_check(const sim_450_t *play);
-int sim_450_discard_damaged(sim_450_t *play);
+int sim_kinematics_memory_check(const sim_kinematics_memory_t *play);
+int sim_kinematics_memory_discard_damaged(sim_kinematics_memory_t *play);
 
 /*
  * Begin cycle 450 with Q410 and Q409 = number, or with a `name` that is not NULL QS409. Returns
- * kinematics_store_error_t; sim_450_phrase() says it in words.
+ * kinematics_store_error_t; sim_kinematics_memory_phrase() says it in words.
  */
-int         sim_450_start(sim_450_t *play, double mode, double number, const char *name);
-int         sim_450_activate(sim_450_t *play, const uint8_t *payload, uint16_t length);
-const char *sim_450_phrase(int error);
+int         sim_kinematics_memory_start(sim_kinematics_memory_t *play, double mode, double number,
+                                        const char *name);
+int         sim_kinematics_memory_activate(sim_kinematics_memory_t *play, const uint8_t *payload,
+                                           uint16_t length);
+const char *sim_kinematics_memory_phrase(int error);
 
 /* The next write: up to SIM_450_WRITE_MAX `bytes` at `offset`. Returns how many, 0 at the end. */
-uint32_t sim_450_next_write(sim_450_t *play, uint32_t *offset, uint8_t *bytes);
+uint32_t sim_kinematics_memory_next_write(sim_kinematics_memory_t *play, uint32_t *offset,
+                                          uint8_t *bytes);
 
 /* The active description, up to SIM_450_PAYLOAD_MAX bytes. Returns how many, 0 for none. */
-uint32_t sim_450_active(const sim_450_t *play, uint8_t *payload);
+uint32_t sim_kinematics_memory_active(const sim_kinematics_memory_t *play, uint8_t *payload);
 
 /* Designation of saved record `index` as text, SIM_450_TEXT_MAX bytes. 0 past the last. */
-int sim_450_show(const sim_450_t *play, uint8_t index, char *text);
+int sim_kinematics_memory_show(const sim_kinematics_memory_t *play, uint8_t index, char *text);
 
 #pragma GCC visibility pop
 

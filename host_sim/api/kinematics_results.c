@@ -21,8 +21,9 @@ static sim_axis_result_t result_of(const kinematics_axis_report_t *axis)
     };
 }
 
-int sim_451_results(const sim_station_t *stations, uint32_t n, const sim_expectation_t *expected,
-                    sim_axis_result_t axes[3], double q_mm[9])
+int sim_measure_kinematics_results(const sim_station_t *stations, uint32_t n,
+                                   const sim_expectation_t *expected, sim_axis_result_t axes[3],
+                                   double q_mm[9])
 {
     kinematics_plan_t        plan = {.count = 0u};
     kinematics_report_t      report;

@@ -38,8 +38,9 @@ typedef struct {
  * Report on `n` stations, in the order in which they were measured, at most as many as a cycle has:
  * axes A, B, C and Q141 to Q149. Returns 0, or -1 for too many stations.
  */
-int sim_451_results(const sim_station_t *stations, uint32_t n, const sim_expectation_t *expected,
-                    sim_axis_result_t axes[3], double q_mm[9]);
+int sim_measure_kinematics_results(const sim_station_t *stations, uint32_t n,
+                                   const sim_expectation_t *expected, sim_axis_result_t axes[3],
+                                   double q_mm[9]);
 
 #pragma GCC visibility pop
 

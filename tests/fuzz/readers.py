@@ -90,7 +90,11 @@ def _machine_file(path: Path) -> None:
 
 def _store(path: Path) -> None:
     _, lib = connection()
-    path.write_bytes(path.read_bytes()[: lib.sim_450_bytes()].ljust(lib.sim_450_bytes(), b"\0"))
+    path.write_bytes(
+        path.read_bytes()[: lib.sim_kinematics_memory_bytes()].ljust(
+            lib.sim_kinematics_memory_bytes(), b"\0"
+        )
+    )
     memory = Memory(path)
     memory.names()
     try:

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from skiplatch.campaign import AxisNominal, InputPath
 from skiplatch.latch.effort import Effort
 from skiplatch.latch.probing import DEFAULT_RIG
-from skiplatch.latch.seed_document.cycles import FITTED_BACK_OFF_MM
-from skiplatch.latch.seed_document.model import IDEAL
+from skiplatch.latch.reference_figures.cycles import FITTED_BACK_OFF_MM
+from skiplatch.latch.reference_figures.model import IDEAL
 from skiplatch.planner.document import DOCUMENT_LIMITS
 from skiplatch.planner.model import (
     Strategy,

@@ -103,7 +103,7 @@ void test_confirming_costs_overtravel_and_no_accuracy(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.05, at_once.overtravel_um + 2000.0 * 0.01, outcome.overtravel_um);
 }
 
-/* ---- how long it takes: the worked example of the seed document ---- */
+/* ---- how long it takes: the worked example of the reference document ---- */
 
 #define STAND_OFF_MM 5.0
 #define FAST         3000.0

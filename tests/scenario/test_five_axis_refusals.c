@@ -47,10 +47,11 @@ void tearDown(void)
 
 static void check_both(int expected)
 {
-    sim_451_t *play = NULL;
-    TEST_ASSERT_EQUAL_INT(expected, sim_451_open(&rig, &truth, &believed, &control, &play));
+    sim_measure_kinematics_t *play = NULL;
+    TEST_ASSERT_EQUAL_INT(expected,
+                          sim_measure_kinematics_open(&rig, &truth, &believed, &control, &play));
     TEST_ASSERT_EQUAL_INT(expected == SIM_PLAY_OK, play != NULL);
-    sim_451_close(play);
+    sim_measure_kinematics_close(play);
     int32_t measured = sim_five_axis_points(&rig, &truth, &believed, &probing, &sphere, 1u);
     TEST_ASSERT_EQUAL_INT(expected == SIM_PLAY_OK ? 1 : expected, measured);
     setUp();
@@ -105,10 +106,10 @@ void test_a_grid_with_too_many_nodes_or_no_numbers_is_refused(void)
 
 static void refuse_control(double *value, double bad)
 {
-    sim_451_t *play = NULL;
+    sim_measure_kinematics_t *play = NULL;
     *value = bad;
     TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_CONTROL,
-                          sim_451_open(&rig, &truth, &believed, &control, &play));
+                          sim_measure_kinematics_open(&rig, &truth, &believed, &control, &play));
     TEST_ASSERT_NULL(play);
     setUp();
 }

@@ -238,7 +238,7 @@ static double deviation_um(const sim_chain_t *chain, sim_touch_t touch)
     return outcome.deviation_um;
 }
 
-/* 4 µs at 3000 mm/min are 0.2 µm, 0.2 ms are 10 µm (seed document, section 1). */
+/* 4 µs at 3000 mm/min are 0.2 µm, 0.2 ms are 10 µm (reference document, section 1). */
 void test_a_reaction_time_costs_feed_times_itself(void)
 {
     sim_chain_t chain = PLAY_BENCH;

@@ -56,10 +56,10 @@ static int play_touches(void)
 static int mount_store(void)
 {
     static const uint8_t memory[MEMORY_BYTES];
-    TEST_ASSERT_LESS_OR_EQUAL_UINT32(MEMORY_BYTES, sim_450_bytes());
-    sim_450_t *store = sim_450_open(memory);
-    int        code = store == NULL ? SIM_PLAY_ERR_MEMORY : SIM_PLAY_OK;
-    sim_450_close(store);
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(MEMORY_BYTES, sim_kinematics_memory_bytes());
+    sim_kinematics_memory_t *store = sim_kinematics_memory_open(memory);
+    int                      code = store == NULL ? SIM_PLAY_ERR_MEMORY : SIM_PLAY_OK;
+    sim_kinematics_memory_close(store);
     return code;
 }
 
@@ -76,11 +76,11 @@ static int switch_on_machine(void)
         .tip_radius_mm = 3.0,
     };
     static const sim_control_t control = {.touch_feed_mm_min = 120.0, .path = SIM_PATH_SKIP};
-    sim_451_t                 *opened = NULL;
+    sim_measure_kinematics_t  *opened = NULL;
 
-    int code = sim_451_open(&RIG, &machine, &machine, &control, &opened);
+    int code = sim_measure_kinematics_open(&RIG, &machine, &machine, &control, &opened);
     TEST_ASSERT_EQUAL_INT(code == SIM_PLAY_OK, opened != NULL);
-    sim_451_close(opened);
+    sim_measure_kinematics_close(opened);
     return code;
 }
 

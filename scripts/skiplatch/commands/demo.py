@@ -18,7 +18,7 @@ from skiplatch.figures.feeds import draw_feeds
 from skiplatch.figures.latch_errors import draw_latch_errors
 from skiplatch.figures.one_point import draw_one_point
 from skiplatch.figures.scan_position import draw_scan_position
-from skiplatch.latch import Effort, seed_document
+from skiplatch.latch import Effort, reference_figures
 from skiplatch.latch.probing import DEFAULT_RIG
 from skiplatch.places import SAMPLES
 from skiplatch.planner.document import DOCUMENT_LIMITS
@@ -54,16 +54,16 @@ class _Demo:
         return latch.as_json(results)
 
     def seed_figures(self) -> Mapping[str, Any]:
-        """Show that every figure of the seed document is found again."""
+        """Show that every figure of the reference document is found again."""
         _heading("Figures of probing strategies, simulated")
-        found = seed_document.seed_figures(self._effort.at_most(TOUCHES_OF_A_FIGURE))
-        click.echo(seed_document.as_text(found))
+        found = reference_figures.play_figures(self._effort.at_most(TOUCHES_OF_A_FIGURE))
+        click.echo(reference_figures.as_text(found))
         dots = self._effort.at_most(TOUCHES_OF_A_DOT)
         draw_scan_position(self._picture("scan_position"), seed=self._effort.seed)
         draw_feeds(self._picture("feeds"), dots)
         draw_one_point(self._picture("one_point"))
         draw_cycle_times(self._picture("cycle_times"), dots)
-        return seed_document.as_json(found)
+        return reference_figures.as_json(found)
 
     def plan(self) -> Mapping[str, Any]:
         """Show the best strategy for the document's 2 µm on its 4 ms scan."""

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from skiplatch.figures import colours, theme
 from skiplatch.latch.effort import Effort
-from skiplatch.latch.seed_document.model import FAST_MM_MIN, SLOW_MM_MIN
+from skiplatch.latch.reference_figures.model import FAST_MM_MIN, SLOW_MM_MIN
 from skiplatch.planner.document import DOCUMENT_LIMITS
 from skiplatch.planner.model import Strategy, cycle_s, range_um
 from skiplatch.planner.search import with_back_off

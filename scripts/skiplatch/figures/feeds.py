@@ -11,7 +11,7 @@ from skiplatch.figures import colours, theme
 from skiplatch.latch.effort import Effort
 from skiplatch.latch.errors import latch_errors
 from skiplatch.latch.probing import one_touch
-from skiplatch.latch.seed_document.model import IDEAL, direct_input, range_um
+from skiplatch.latch.reference_figures.model import IDEAL, direct_input, range_um
 from skiplatch.units import S_PER_MIN
 
 FEEDS_MM_MIN = np.array([10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0, 10_000.0])

@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath
 from skiplatch.figures import colours, theme
-from skiplatch.latch.seed_document.cycles import FITTED_BACK_OFF_MM
-from skiplatch.latch.seed_document.model import FAST_MM_MIN, SLOW_MM_MIN
+from skiplatch.latch.reference_figures.cycles import FITTED_BACK_OFF_MM
+from skiplatch.latch.reference_figures.model import FAST_MM_MIN, SLOW_MM_MIN
 from skiplatch.planner.document import DOCUMENT_LIMITS
 from skiplatch.planner.model import Leg, Strategy, legs
 from skiplatch.units import S_PER_MIN

@@ -9,8 +9,12 @@ from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath
 from skiplatch.figures import colours, theme
 from skiplatch.latch.probing import one_touch
-from skiplatch.latch.seed_document.example import FIRST_WAIT_US, SECOND_WAIT_US, wait_from_zero_us
-from skiplatch.latch.seed_document.model import FAST_MM_MIN, IDEAL
+from skiplatch.latch.reference_figures.example import (
+    FIRST_WAIT_US,
+    SECOND_WAIT_US,
+    wait_from_zero_us,
+)
+from skiplatch.latch.reference_figures.model import FAST_MM_MIN, IDEAL
 from skiplatch.units import US_PER_S
 
 SCANS = 3

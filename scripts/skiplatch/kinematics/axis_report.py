@@ -86,7 +86,12 @@ def results(
     filled.offset_mm = list(expected.offset_mm)
     filled.is_optimised = expected.is_optimised
     axes, q_mm = ffi.new("sim_axis_result_t[3]"), ffi.new("double[9]")
-    if lib.sim_451_results(station_rows(stations), len(stations.axis), filled, axes, q_mm) != 0:
+    if (
+        lib.sim_measure_kinematics_results(
+            station_rows(stations), len(stations.axis), filled, axes, q_mm
+        )
+        != 0
+    ):
         raise SimulationError("more stations than a cycle has")
     found = {
         letter: Results(**{f.name: getattr(axis, f.name) for f in fields(Results)})

@@ -60,7 +60,7 @@ class Control:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """What came of a cycle; see ``sim_451_report_t``."""
+    """What came of a cycle; see ``sim_measure_kinematics_report_t``."""
 
     preset_mm: tuple[float, ...]
     change_mm: float
@@ -105,24 +105,24 @@ class Play:
         """
         ffi, lib = connection()
         word = WORDS.get(value, 0) if isinstance(value, str) else 0
-        code = lib.sim_451_set(
+        code = lib.sim_measure_kinematics_set(
             self._handle, number, 0.0 if isinstance(value, str) else float(value), word
         )
         if code != 0:
-            phrase = ffi.string(lib.sim_451_phrase(code)).decode()
+            phrase = ffi.string(lib.sim_measure_kinematics_phrase(code)).decode()
             limits = None if code == UNKNOWN else setting(number, self._cycle)
             raise CycleRefusedError(number, f"Q{number} {phrase}", limits)
 
     def begin(self) -> bool:
         """Start and run until the measurements wait for their evaluation; False if it failed."""
         _, lib = connection()
-        self._asked = lib.sim_451_run(self._handle)
+        self._asked = lib.sim_measure_kinematics_run(self._handle)
         return bool(self._asked == lib.SIM_451_EVALUATE)
 
     def begin_measured(self, stations: Stations) -> bool:
         """Start with what was measured elsewhere; False if the cycle refused it."""
         _, lib = connection()
-        self._asked = lib.sim_451_run_measured(
+        self._asked = lib.sim_measure_kinematics_run_measured(
             self._handle, station_rows(stations), len(stations.axis)
         )
         return bool(self._asked == lib.SIM_451_EVALUATE)
@@ -130,7 +130,7 @@ class Play:
     def answer(self, change_mm: float = 0.0, *, is_possible: bool = True) -> None:
         """Answer what the cycle came back for, and run on."""
         _, lib = connection()
-        self._asked = lib.sim_451_answer(self._handle, change_mm, int(is_possible))
+        self._asked = lib.sim_measure_kinematics_answer(self._handle, change_mm, int(is_possible))
 
     @property
     def asks(self) -> str:
@@ -168,13 +168,13 @@ class Play:
     def believe(self, machine: Machine, truth: Truth) -> None:
         """Let the controller believe something else of its axes."""
         _, lib = connection()
-        lib.sim_451_believe(self._handle, machine_structure(machine, truth))
+        lib.sim_measure_kinematics_believe(self._handle, machine_structure(machine, truth))
 
     def stations(self) -> Stations:
         """Give what was measured so far."""
         ffi, lib = connection()
         rows = ffi.new("sim_station_t[]", MOST_STATIONS)
-        measured = rows[0 : lib.sim_451_stations(self._handle, rows, MOST_STATIONS)]
+        measured = rows[0 : lib.sim_measure_kinematics_stations(self._handle, rows, MOST_STATIONS)]
         return Stations(
             np.array([list(row.angle_deg) for row in measured]).reshape(-1, 3),
             np.array([list(row.centre_mm) for row in measured]).reshape(-1, 3),
@@ -189,8 +189,8 @@ class Play:
     def report(self) -> Report:
         """Give what the cycle did."""
         ffi, lib = connection()
-        filled = ffi.new("sim_451_report_t *")
-        lib.sim_451_report(self._handle, filled)
+        filled = ffi.new("sim_measure_kinematics_report_t *")
+        lib.sim_measure_kinematics_report(self._handle, filled)
         values = {f.name: getattr(filled, f.name) for f in fields(Report)}
         for name in ("preset_mm", "tilt_deg"):
             values[name] = tuple(getattr(filled, name))
@@ -204,7 +204,7 @@ class Play:
         """
         ffi, lib = connection()
         report = self.report()
-        phrase = ffi.string(lib.sim_451_fault_phrase(report.error)).decode()
+        phrase = ffi.string(lib.sim_measure_kinematics_fault_phrase(report.error)).decode()
         named = f"Q{report.parameter}: " if report.parameter else ""
         raise CycleRefusedError(report.parameter, f"{named}{phrase}")
 
@@ -223,7 +223,7 @@ def setting(number: int, cycle: int = MEASURE_KINEMATICS) -> Setting | None:
     """Describe Q<number> of a cycle; None if it has no such parameter."""
     ffi, lib = connection()
     low, high, initial = (ffi.new("double *") for _ in range(3))
-    name = lib.sim_451_limits(cycle, number, low, high, initial)
+    name = lib.sim_measure_kinematics_limits(cycle, number, low, high, initial)
     return Setting(ffi.string(name).decode(), low[0], high[0], initial[0]) if name else None
 
 
@@ -264,9 +264,9 @@ def opened(
     """
     ffi, lib = connection()
     structure = machine_structure(machine, truth)
-    place = ffi.new("sim_451_t **")
+    place = ffi.new("sim_measure_kinematics_t **")
     switched = filled_rig(rig, CONTROLLER, switched_on, seed=seed, replicate=replicate)
-    code = lib.sim_451_open(
+    code = lib.sim_measure_kinematics_open(
         switched.structure,
         structure,
         machine_structure(believed or machine, truth),
@@ -278,14 +278,14 @@ def opened(
     try:
         play = Play(handle, cycle)
         if cycle == KINEMATICS_GRID:
-            lib.sim_451_measure_grid(handle)
+            lib.sim_measure_kinematics_measure_grid(handle)
         elif preset_mm is not None:
-            lib.sim_451_keep_preset(handle, list(preset_mm))
+            lib.sim_measure_kinematics_keep_preset(handle, list(preset_mm))
         for number, value in parameters.items():
             play.set(number, value)
         yield play
     finally:
-        lib.sim_451_close(handle)
+        lib.sim_measure_kinematics_close(handle)
 
 
 def _control(control: Control) -> CData:

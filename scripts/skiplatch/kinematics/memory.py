@@ -44,7 +44,7 @@ class Memory:
     def __init__(self, path: Path, *, discards_damaged: bool = False) -> None:
         _, lib = connection()
         self._path = path
-        size = lib.sim_450_bytes()
+        size = lib.sim_kinematics_memory_bytes()
         with failures_named(path, "read"):
             is_there = path.exists()
         if not is_there:
@@ -58,9 +58,9 @@ class Memory:
         with self._mounted() as handle:
             self._carry_out(handle)  # what a power cut left undone
             if discards_damaged:
-                self._refuse_state(lib.sim_450_discard_damaged(handle))
+                self._refuse_state(lib.sim_kinematics_memory_discard_damaged(handle))
                 self._carry_out(handle)
-            self._refuse_state(lib.sim_450_check(handle))
+            self._refuse_state(lib.sim_kinematics_memory_check(handle))
 
     def _refuse_state(self, code: int) -> None:
         if code != 0:
@@ -70,20 +70,22 @@ class Memory:
     def _mounted(self) -> Iterator[CData]:
         ffi, lib = connection()
         with failures_named(self._path, "read"):
-            handle = lib.sim_450_open(ffi.from_buffer("uint8_t[]", self._path.read_bytes()))
+            handle = lib.sim_kinematics_memory_open(
+                ffi.from_buffer("uint8_t[]", self._path.read_bytes())
+            )
         if not handle:
             raise SimulationError("out of memory")
         try:
             yield handle
         finally:
-            lib.sim_450_close(handle)
+            lib.sim_kinematics_memory_close(handle)
 
     def activate(self, machine: Machine) -> None:
         """Make a description the active one."""
         _, lib = connection()
         payload = pack(machine)
         with self._mounted() as handle:
-            self._refuse_state(lib.sim_450_activate(handle, payload, len(payload)))
+            self._refuse_state(lib.sim_kinematics_memory_activate(handle, payload, len(payload)))
             self._carry_out(handle)
 
     def run(self, mode: float, designation: float | str) -> Machine:
@@ -97,9 +99,9 @@ class Memory:
         name = ffi.NULL if isinstance(designation, float) else designation.encode()
         payload = ffi.new("uint8_t[]", lib.SIM_450_PAYLOAD_MAX)
         with self._mounted() as handle:
-            _refuse(lib.sim_450_start(handle, mode, number, name))
+            _refuse(lib.sim_kinematics_memory_start(handle, mode, number, name))
             self._carry_out(handle)
-            length = lib.sim_450_active(handle, payload)
+            length = lib.sim_kinematics_memory_active(handle, payload)
         if mode != SHOW:
             keep_outputs()  # it is the machine's: what a program saved stays if it fails then
         return unpack(bytes(ffi.buffer(payload, length)))
@@ -110,7 +112,7 @@ class Memory:
         text = ffi.new("char[]", lib.SIM_450_TEXT_MAX)
         found: list[str] = []
         with self._mounted() as handle:
-            while lib.sim_450_show(handle, len(found), text):
+            while lib.sim_kinematics_memory_show(handle, len(found), text):
                 found.append(ffi.string(text).decode())
         return sorted(found)
 
@@ -119,14 +121,14 @@ class Memory:
         offset = ffi.new("uint32_t *")
         data = ffi.new("uint8_t[]", lib.SIM_450_WRITE_MAX)
         with failures_named(self._path, "write"), self._path.open("r+b", buffering=0) as file:
-            while length := lib.sim_450_next_write(handle, offset, data):
+            while length := lib.sim_kinematics_memory_next_write(handle, offset, data):
                 os.pwrite(file.fileno(), bytes(ffi.buffer(data, length)), offset[0])
                 os.fsync(file.fileno())
 
 
 def _phrase(code: int) -> str:
     ffi, lib = connection()
-    phrase = str(ffi.string(lib.sim_450_phrase(code)).decode())
+    phrase = str(ffi.string(lib.sim_kinematics_memory_phrase(code)).decode())
     if code == lib.SIM_450_DAMAGED:
         phrase += "; --discard-damaged goes on with what is left"
     return phrase

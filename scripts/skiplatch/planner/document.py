@@ -1,8 +1,8 @@
-"""The machine of the seed document on probing strategies, as its cycle times are modelled."""
+"""The machine of the reference document on probing strategies, as its cycle times are modelled."""
 
 from skiplatch.campaign import InputPath
-from skiplatch.latch.seed_document.cycles import ONE_TOUCH, STAND_OFF_MM
-from skiplatch.latch.seed_document.model import FAST_MM_MIN, IDEAL
+from skiplatch.latch.reference_figures.cycles import ONE_TOUCH, STAND_OFF_MM
+from skiplatch.latch.reference_figures.model import FAST_MM_MIN, IDEAL
 from skiplatch.planner.model import Limits
 
 DOCUMENT_LIMITS = Limits(

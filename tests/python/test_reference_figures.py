@@ -1,4 +1,4 @@
-"""Every figure of the seed document's section on probing strategies, held by simulation.
+"""Every figure of the reference document's section on probing strategies, held by simulation.
 
 Ranges are found from 100 000 touches each. Their intervals are widened here to a false-alarm rate
 of 1e-6 each; the random numbers are fixed.
@@ -13,15 +13,21 @@ from skiplatch.campaign import InputPath, Nominal
 from skiplatch.latch.effort import Effort
 from skiplatch.latch.errors import LatchErrors, latch_errors
 from skiplatch.latch.probing import one_touch
-from skiplatch.latch.seed_document import SeedFigures, as_json, as_text, seed_figures
-from skiplatch.latch.seed_document.cycles import (
+from skiplatch.latch.reference_figures import ReferenceFigures, as_json, as_text, play_figures
+from skiplatch.latch.reference_figures.cycles import (
     FITTED_BACK_OFF_MM,
     TYPICAL_BACK_OFF_MM,
     cycle,
     cycle_s,
 )
-from skiplatch.latch.seed_document.example import deviation_um
-from skiplatch.latch.seed_document.model import IDEAL, SeedFigure, certain, direct_input, range_um
+from skiplatch.latch.reference_figures.example import deviation_um
+from skiplatch.latch.reference_figures.model import (
+    IDEAL,
+    ReferenceFigure,
+    certain,
+    direct_input,
+    range_um,
+)
 from skiplatch.statistics import Interval
 
 CONFIDENCE = 1.0 - 1e-6
@@ -34,8 +40,8 @@ def errors_at(rig: Nominal, path: InputPath, feed: float) -> LatchErrors:
 
 
 @pytest.fixture(scope="module")
-def found() -> SeedFigures:
-    return seed_figures(EFFORT)
+def found() -> ReferenceFigures:
+    return play_figures(EFFORT)
 
 
 @pytest.mark.parametrize(
@@ -73,7 +79,7 @@ def test_edge_is_measured_where_the_scan_finds_the_axis(
     assert deviation_um(probing, wait_us, seed) == pytest.approx(expected_um, abs=1e-3)
 
 
-def test_range_is_proportional_to_the_feed(found: SeedFigures) -> None:
+def test_range_is_proportional_to_the_feed(found: ReferenceFigures) -> None:
     line = found.proportionality
 
     assert len(line.feeds_mm_min) >= 6
@@ -111,7 +117,7 @@ def test_second_touch_costs_a_fifth_of_a_second_for_a_hundredth_of_the_range() -
     assert large.low / small.high <= 100.0 <= large.high / small.low
 
 
-def test_fitted_back_off_is_too_short_for_the_documents_own_scan(found: SeedFigures) -> None:
+def test_fitted_back_off_is_too_short_for_the_documents_own_scan(found: ReferenceFigures) -> None:
     """A latch is later than 0.0849 of 0.2 mm in 57.55 % of cases; false-alarm rate 1e-6."""
     failing = found.remarks[1].simulated
     five_sigma = 100.0 * 5.0 * math.sqrt(0.5755 * 0.4245 / EFFORT.touches)
@@ -119,15 +125,15 @@ def test_fitted_back_off_is_too_short_for_the_documents_own_scan(found: SeedFigu
     assert failing.value == pytest.approx(57.55, abs=five_sigma)
 
 
-def test_every_figure_of_the_document_agrees(found: SeedFigures) -> None:
+def test_every_figure_of_the_document_agrees(found: ReferenceFigures) -> None:
     assert [figure.name for figure in found.figures if not figure.agrees] == []
     assert found.agree
     assert len(found.figures) == 14
 
 
 def test_figure_agrees_only_within_three_intervals_and_rounding() -> None:
-    def figure(document: float, last_place: float) -> SeedFigure:
-        return SeedFigure(
+    def figure(document: float, last_place: float) -> ReferenceFigure:
+        return ReferenceFigure(
             name="x",
             unit="µm",
             document=document,
@@ -144,7 +150,7 @@ def test_figure_agrees_only_within_three_intervals_and_rounding() -> None:
     assert figure(0.75, 0.0).difference == 0.25
 
 
-def test_text_names_document_simulation_and_difference(found: SeedFigures) -> None:
+def test_text_names_document_simulation_and_difference(found: ReferenceFigures) -> None:
     text = as_text(found)
 
     for column in ("document", "simulated", "95 % interval", "difference", "µm", "ms"):
@@ -154,7 +160,7 @@ def test_text_names_document_simulation_and_difference(found: SeedFigures) -> No
     assert "0.77791" in text
 
 
-def test_json_holds_every_figure(found: SeedFigures) -> None:
+def test_json_holds_every_figure(found: ReferenceFigures) -> None:
     document = as_json(found)
 
     assert document["agree"] is True

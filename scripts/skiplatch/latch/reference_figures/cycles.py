@@ -13,12 +13,12 @@ from skiplatch.campaign import InputPath
 from skiplatch.latch.effort import Effort
 from skiplatch.latch.errors import latch_errors
 from skiplatch.latch.probing import Probing
-from skiplatch.latch.seed_document.model import (
+from skiplatch.latch.reference_figures.model import (
     FAST_MM_MIN,
     IDEAL,
     SLOW_MM_MIN,
+    ReferenceFigure,
     Remark,
-    SeedFigure,
     certain,
     range_um,
 )
@@ -53,14 +53,14 @@ def cycle_s(probing: Probing) -> float:
     return float(probing.play(probing.at(np.zeros(1)), seed=0).cycle_s[0, 0])
 
 
-def cycle_figures() -> list[SeedFigure]:
+def cycle_figures() -> list[ReferenceFigure]:
     """Give the cycle times of one touch and of two."""
     one = cycle_s(cycle(InputPath.SKIP, FAST_MM_MIN))
     two = cycle_s(cycle(InputPath.SKIP, SLOW_MM_MIN, FITTED_BACK_OFF_MM))
     model = "model, not unique: no delay at the input, stand-off 5 mm, 3 m/s², reaction 2 ms"
     fitted = f"the same; back-off {FITTED_BACK_OFF_MM} mm, fitted to this figure"
     return [
-        SeedFigure(
+        ReferenceFigure(
             name=name,
             unit="s",
             document=document,
@@ -76,7 +76,7 @@ def cycle_figures() -> list[SeedFigure]:
     ]
 
 
-def two_touch_figures(one_touch_um: Interval, effort: Effort) -> list[SeedFigure]:
+def two_touch_figures(one_touch_um: Interval, effort: Effort) -> list[ReferenceFigure]:
     """Give the range of two touches on the polled input, and how much smaller it is."""
     errors = latch_errors(cycle(InputPath.PLC, SLOW_MM_MIN, TYPICAL_BACK_OFF_MM), effort)
     small = range_um(errors)
@@ -86,7 +86,7 @@ def two_touch_figures(one_touch_um: Interval, effort: Effort) -> list[SeedFigure
         one_touch_um.high / small.low,
     )
     return [
-        SeedFigure(
+        ReferenceFigure(
             name=name,
             unit=unit,
             document=document,

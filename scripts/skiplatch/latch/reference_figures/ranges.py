@@ -11,11 +11,11 @@ from skiplatch.campaign import InputPath, Nominal
 from skiplatch.latch.effort import Effort
 from skiplatch.latch.errors import LatchErrors, latch_errors
 from skiplatch.latch.probing import one_touch
-from skiplatch.latch.seed_document.model import (
+from skiplatch.latch.reference_figures.model import (
     FAST_MM_MIN,
     IDEAL,
     SLOW_MM_MIN,
-    SeedFigure,
+    ReferenceFigure,
     direct_input,
     range_um,
 )
@@ -56,7 +56,7 @@ class Proportionality:
     """As a share of the range at that feed."""
 
 
-def range_figures(effort: Effort) -> list[SeedFigure]:
+def range_figures(effort: Effort) -> list[ReferenceFigure]:
     """Give the four ranges, and the standard uncertainty that follows from the first."""
     parts = effort.split(len(CASES))
     played = [
@@ -64,7 +64,7 @@ def range_figures(effort: Effort) -> list[SeedFigure]:
         for case, part in zip(CASES, parts, strict=True)
     ]
     ranges = [
-        SeedFigure(
+        ReferenceFigure(
             name=f"range, {case.name}, {case.feed_mm_min:.0f} mm/min",
             unit="µm",
             document=case.document_um,
@@ -101,9 +101,9 @@ def proportionality(effort: Effort) -> Proportionality:
     )
 
 
-def slope_figure(line: Proportionality) -> SeedFigure:
+def slope_figure(line: Proportionality) -> ReferenceFigure:
     """Give the slope of that line, which the document says is the scan period."""
-    return SeedFigure(
+    return ReferenceFigure(
         name="slope of the range over the feed, 4 ms PLC scan",
         unit="ms",
         document=4.0,
@@ -113,8 +113,8 @@ def slope_figure(line: Proportionality) -> SeedFigure:
     )
 
 
-def _standard_uncertainty(errors: LatchErrors) -> SeedFigure:
-    return SeedFigure(
+def _standard_uncertainty(errors: LatchErrors) -> ReferenceFigure:
+    return ReferenceFigure(
         name="standard uncertainty, 4 ms PLC scan, 3000 mm/min",
         unit="µm",
         document=200.0 / math.sqrt(12.0),

@@ -4,20 +4,20 @@ import numpy as np
 
 from skiplatch.campaign import InputPath
 from skiplatch.latch.probing import Probing, one_touch
-from skiplatch.latch.seed_document.model import FAST_MM_MIN, IDEAL, SeedFigure, certain
+from skiplatch.latch.reference_figures.model import FAST_MM_MIN, IDEAL, ReferenceFigure, certain
 from skiplatch.units import US_PER_S
 
 FIRST_WAIT_US = 3250.0
 SECOND_WAIT_US = 750.0
 
 
-def example_figures(seed: int) -> list[SeedFigure]:
+def example_figures(seed: int) -> list[ReferenceFigure]:
     """Two edges in the scan: one is seen 3.25 ms later, the other 0.75 ms later."""
     probing = one_touch(IDEAL, InputPath.PLC, FAST_MM_MIN)
     first = deviation_um(probing, FIRST_WAIT_US, seed)
     second = deviation_um(probing, SECOND_WAIT_US, seed)
     return [
-        SeedFigure(
+        ReferenceFigure(
             name=f"way until the scan, {name}, 4 ms, 3000 mm/min",
             unit="µm",
             document=document,

@@ -1,4 +1,4 @@
-"""What the seed document's figures are held against, and the rig they are simulated on."""
+"""What the reference document's figures are held against, and the rig they are simulated on."""
 
 from dataclasses import dataclass, replace
 
@@ -22,7 +22,7 @@ DOUBT = 3.0  # times the interval
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SeedFigure:
+class ReferenceFigure:
     """A figure of the document beside the simulated one, in `unit`."""
 
     name: str

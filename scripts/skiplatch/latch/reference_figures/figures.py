@@ -1,20 +1,20 @@
-"""All figures of the seed document together."""
+"""All figures of the reference document together."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
 from skiplatch.latch.effort import Effort
-from skiplatch.latch.seed_document.cycles import (
+from skiplatch.latch.reference_figures.cycles import (
     cycle_figures,
     polled_cycle,
     short_back_off,
     two_touch_figures,
     typical_back_off,
 )
-from skiplatch.latch.seed_document.example import example_figures
-from skiplatch.latch.seed_document.model import Remark, SeedFigure
-from skiplatch.latch.seed_document.ranges import (
+from skiplatch.latch.reference_figures.example import example_figures
+from skiplatch.latch.reference_figures.model import ReferenceFigure, Remark
+from skiplatch.latch.reference_figures.ranges import (
     Proportionality,
     proportionality,
     range_figures,
@@ -26,10 +26,10 @@ LEGEND = "agrees: the document's rounding and three times the interval explain t
 
 
 @dataclass(frozen=True, slots=True)
-class SeedFigures:
+class ReferenceFigures:
     """What the document prints, what it should be read with, and the fitted line."""
 
-    figures: Sequence[SeedFigure]
+    figures: Sequence[ReferenceFigure]
     remarks: Sequence[Remark]
     proportionality: Proportionality
 
@@ -39,12 +39,12 @@ class SeedFigures:
         return all(figure.agrees for figure in self.figures)
 
 
-def seed_figures(effort: Effort) -> SeedFigures:
+def play_figures(effort: Effort) -> ReferenceFigures:
     """Simulate all of them."""
     for_ranges, for_line, for_example, for_two, for_remarks = effort.split(5)
     ranges = range_figures(for_ranges)
     line = proportionality(for_line)
-    return SeedFigures(
+    return ReferenceFigures(
         figures=[
             *ranges,
             slope_figure(line),
@@ -57,7 +57,7 @@ def seed_figures(effort: Effort) -> SeedFigures:
     )
 
 
-def as_text(found: SeedFigures) -> str:
+def as_text(found: ReferenceFigures) -> str:
     """Everything, for the terminal."""
     all_notes = [*(f.note for f in found.figures), *(r.note for r in found.remarks)]
     notes = [note for note in dict.fromkeys(all_notes) if note]
@@ -72,7 +72,7 @@ def as_text(found: SeedFigures) -> str:
     )
 
 
-def as_json(found: SeedFigures) -> dict[str, Any]:
+def as_json(found: ReferenceFigures) -> dict[str, Any]:
     """Everything, in plain types."""
     return {
         "agree": found.agree,
@@ -85,7 +85,7 @@ def as_json(found: SeedFigures) -> dict[str, Any]:
     }
 
 
-def _figure_row(figure: SeedFigure, notes: Sequence[str]) -> tuple[str, ...]:
+def _figure_row(figure: ReferenceFigure, notes: Sequence[str]) -> tuple[str, ...]:
     return (
         _marked(figure.name, figure.note, notes),
         figure.unit,
