@@ -79,6 +79,8 @@ def test_thousands_are_said_and_doubt_in_other_columns_is_no_matter(tmp_path: Pa
         ("Feed mm/min", "mm/min", ("Feed", "mm/min")),
         ("Feed IPM", "mm/min", ("Feed", "ipm")),
         ("Feed (IPM)", "mm/min", ("Feed", "ipm")),
+        ("Feed [degrees per minute]", "mm/min", ("Feed", "deg/min")),
+        ("Feed (°/s)", "mm/min", ("Feed", "°/s")),
         ("t ms", "s", ("t", "ms")),
         ("Err_thou", "µm", ("Err", "thou")),
         ("Z thou", "mm", ("Z", "thou")),
@@ -377,3 +379,51 @@ def test_numbers_that_are_heads_stay_heads(tmp_path: Path) -> None:
     run = Run(tmp_path, "csv", str(tmp_path / "t.csv"), "--map", "coordinate_mm=3")
 
     assert len(run.campaign.touches) == 2
+
+
+@pytest.mark.parametrize(("unit", "feed"), [("deg/min", 12.0), ("°/s", 720.0), ("rpm", 4320.0)])
+def test_feed_of_a_rotary_axis_is_in_degrees(tmp_path: Path, unit: str, feed: float) -> None:
+    (tmp_path / "t.csv").write_text(f"Feed [{unit}],Off [arcsec]\n12,3.6\n12,7.2\n")
+    mapped = ["--map", "feed_mm_min=Feed", "--map", "deviation_arcsec=Off"]
+
+    run = Run(tmp_path, "csv", str(tmp_path / "t.csv"), *mapped, "--axis", "B")
+
+    assert run.campaign.touches.feed_mm_min.tolist() == [feed, feed]
+    assert f'feed_mm_min from "Feed [{unit}]" in {unit}' in run.said["known"]
+
+
+def test_coordinates_of_a_rotary_axis_are_in_degrees(tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text("C [deg],Way [°]\n30.001,2\n30.003,2\n30.002,2\n")
+    mapped = ["--map", "coordinate_mm=C", "--map", "approach_mm=Way"]
+
+    run = Run(tmp_path, "csv", str(tmp_path / "t.csv"), *mapped, "--axis", "C", "--sign", "1")
+
+    touches = run.campaign.touches
+    assert touches.deviation_arcsec.tolist() == pytest.approx([-3.6, 3.6, 0.0])
+    assert touches.approach_mm.tolist() == [2.0, 2.0, 2.0]
+
+
+@pytest.mark.parametrize(
+    ("column", "head"),
+    [("feed_mm_min", "F [deg/min]"), ("coordinate_mm", "P [deg]"), ("approach_mm", "W [°]")],
+)
+@pytest.mark.parametrize(("axis", "words"), [("Y", ["--map", "axis=Ax"]), ("X", ["--axis", "X"])])
+def test_degrees_of_an_axis_that_does_not_turn_are_refused(
+    tmp_path: Path, refused: Program, column: str, head: str, axis: str, words: list[str]
+) -> None:
+    (tmp_path / "t.csv").write_text(f"{head},Ax\n12,{axis}\n12,{axis}\n")
+    mapped = ["--map", f"{column}={head}", *words]
+
+    said = refused("import", "csv", str(tmp_path / "t.csv"), *mapped, "-o", str(tmp_path / "o"))
+
+    assert f"{head}: unit " in said
+    assert f"axis {axis} does not turn; --axis names it" in said
+
+
+def test_angle_of_a_linear_touch_is_none_of_its_axis(tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text("A [deg],Off\n90,3.6\n180,7.2\n")
+    mapped = ["--map", "alpha_deg=A", "--map", "deviation_um=Off"]
+
+    run = Run(tmp_path, "csv", str(tmp_path / "t.csv"), *mapped, "--axis", "X")
+
+    assert run.campaign.touches.alpha_deg.tolist() == [90.0, 180.0]

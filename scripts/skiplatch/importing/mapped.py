@@ -1,7 +1,7 @@
 """Which column of a table is which of a campaign's."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,12 +9,23 @@ from skiplatch.campaign import COLUMNS, Axis
 from skiplatch.campaign.columns import is_thermometer
 from skiplatch.campaign.time_stamps import TIME_NAME
 from skiplatch.errors import InputError, hint, quoted
-from skiplatch.importing.units_in_heads import BRACKETS, UNITS, bracketed, no_unit, split_unit
+from skiplatch.importing.units_in_heads import (
+    BRACKETS,
+    OF_A_WAY,
+    TURNED,
+    UNITS,
+    bracketed,
+    no_unit,
+    split_unit,
+)
 
 _MAPPING = re.compile(r"^(?P<column>[\w.-]+)=(?P<head>.*)$")
 _NUMBER = re.compile(r"[-+]?[\d.,]+(?:[eE][-+]?\d+)?", re.ASCII)
 COORDINATE = "coordinate_mm"
 """Not of a campaign: where the axis was latched, from which deviations are made."""
+
+_OF_THE_AXIS = (COORDINATE, "approach_mm", "feed_mm_min")
+"""Columns that are in degrees where the axis turns."""
 
 DATE = "date"
 """Likewise: the day of a time of day in `time`."""
@@ -79,10 +90,19 @@ def refuse_twice(path: Path, mapped: Sequence[Mapped]) -> None:
         raise InputError(path, None, DATE, message)
 
 
+def refuse_turned(path: Path, line: int, mapped: Sequence[Mapped], axes: Iterable[float]) -> None:
+    """Refuse an angle where an axis that probed is none that turns."""
+    linear = [Axis(int(axis)).name for axis in axes if axis < Axis.A]
+    for m in mapped:
+        if linear and m.unit in TURNED and m.column in _OF_THE_AXIS:
+            message = f"unit {quoted(m.unit)}: axis {linear[0]} does not turn; --axis names it"
+            raise InputError(path, line, m.head, message)
+
+
 def unit_of(column: str) -> str:
     """Give the unit that a column has in a campaign; empty where it has none."""
-    if column == COORDINATE:
-        return "mm"
+    if column in (COORDINATE, "approach_mm"):
+        return OF_A_WAY
     return "°C" if is_thermometer(column) else COLUMNS[column].unit if column in COLUMNS else ""
 
 

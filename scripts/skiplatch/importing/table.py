@@ -22,6 +22,7 @@ from skiplatch.importing.mapped import (
     axis_named,
     in_table,
     named_in,
+    refuse_turned,
     refuse_twice,
     unit_of,
 )
@@ -112,6 +113,8 @@ def read_table(
     _leave_out_ends(found, columns)
     axis = axis or _axis_by_head(found, columns, mapped)
     probed = axis or USUAL_AXIS
+    axes = np.unique(columns["axis"]) if "axis" in columns else [Axis[probed]]
+    refuse_turned(path, header_line, mapped, axes)
     found.lines = [line for line, _ in body]
     if not body:
         raise InputError(path, header_line, None, "expected touches after the header, got none")

@@ -13,8 +13,17 @@ def _of_inches(inch: float) -> dict[str, float]:
     return {**whole, "µin": millionth, "uin": millionth}
 
 
+_ANGLES = {"deg": 1.0, "°": 1.0}
+_TURNING = {"deg/min": 1.0, "°/min": 1.0, "deg/s": 60.0, "°/s": 60.0, "rpm": 360.0}
+TURNED = {**_ANGLES, **_TURNING}
+"""Of a way and a feed of a rotary axis, of which a degree counts as a millimetre."""
+OF_A_WAY = "mm or deg"
+
+
+_LENGTHS = {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "m": 1e3, **_of_inches(25.4)}
 UNITS: Mapping[str, Mapping[str, float]] = {
-    "mm": {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "m": 1e3, **_of_inches(25.4)},
+    "mm": _LENGTHS,
+    OF_A_WAY: {**_LENGTHS, **_ANGLES},
     "µm": {"µm": 1.0, "um": 1.0, "mm": 1e3, "m": 1e6, "nm": 1e-3, **_of_inches(25_400.0)},
     "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
     "µs": {"µs": 1.0, "us": 1.0, "ms": 1e3, "s": 1e6, "ns": 1e-3},
@@ -26,6 +35,7 @@ UNITS: Mapping[str, Mapping[str, float]] = {
         "in/min": 25.4,
         "ipm": 25.4,
         "in/s": 1524.0,
+        **_TURNING,
     },
     "deg": {"deg": 1.0, "°": 1.0, "rad": 180.0 / np.pi, "arcsec": 1.0 / 3600.0},
     "arcsec": {
@@ -41,7 +51,7 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     },
     "°C": {"°C": 1.0, "C": 1.0, "degC": 1.0, "K": 1.0, "F": 5.0 / 9.0, "°F": 5.0 / 9.0},
 }
-"""By the unit of a campaign: what others are of it."""
+"""By the unit of a campaign: what others are of it. A way of a rotary axis is an angle."""
 _SYMBOLS = {
     "mm": r"millimet(?:re|er)s?",
     "µm": r"um|microns?|micromet(?:re|er)s?",
