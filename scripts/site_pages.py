@@ -32,7 +32,12 @@ ELSEWHERE = ("http:", "https:", "mailto:")
 STYLE = """.md-typeset table:not([class]) { display: block; overflow-x: auto; }
 .md-typeset :not(pre, td, th) > code { overflow-wrap: anywhere; }
 .md-typeset table code { overflow-wrap: normal; word-break: normal; }
+.md-typeset table:not([class]) td:has(br) { min-width: 14rem; }
+.md-nav .md-nav__title { color: var(--md-default-fg-color); }
+[data-md-color-scheme="slate"][data-md-color-primary] { --md-typeset-a-color: #7ba6f2;
+  --md-code-hl-number-color: #f0877a; --md-code-hl-constant-color: #ab9df0; }
 """
+CODE = re.compile(r"`[^`\n]+`")
 
 
 def relinked(text: str, folder: Path) -> str:
@@ -57,6 +62,15 @@ def relinked(text: str, folder: Path) -> str:
     return LINK.sub(link, PICTURE.sub(r"\1(\2)", text))
 
 
+def barred(text: str) -> str:
+    """Take the backslash off a bar within code in a table, which GitHub wants and MkDocs shows."""
+    lines = (
+        CODE.sub(lambda code: code[0].replace(r"\|", "|"), line) if line[:1] == "|" else line
+        for line in text.splitlines(keepends=True)
+    )
+    return "".join(lines)
+
+
 def copied() -> list[Path]:
     """Give the files of docs/ that go into the site as they are."""
     return [path for pattern in ("*.svg", "*.ipynb") for path in Path("docs").glob(pattern)]
@@ -67,7 +81,7 @@ def written_pages() -> Iterator[tuple[str, str]]:
     for path in (*map(Path, OWN), *sorted(Path("docs").glob("*.md"))):
         name = "index.md" if str(path) == START else path.name
         try:
-            yield name, relinked(path.read_text(encoding="utf-8"), path.parent)
+            yield name, barred(relinked(path.read_text(encoding="utf-8"), path.parent))
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from error
 

@@ -12,8 +12,11 @@ import site_pages
 from browser import browser, chromium
 from skiplatch import cli
 from skiplatch.commands import columns
+from test_figures import READABLE, contrast
 
 ROOT = Path(__file__).parents[2]
+GROUND_OF_DARK_CODE = "#272a35"
+"""As the theme's scheme slate has it."""
 
 
 @pytest.fixture(autouse=True)
@@ -67,6 +70,30 @@ def test_names_in_tables_stay_whole_and_tables_scroll(width_px: int, tmp_path: P
 
 def test_pictures_stand_beside_the_pages() -> None:
     assert site_pages.relinked("![a](docs/latch.svg)", Path()) == "![a](latch.svg)"
+
+
+def test_bar_within_code_of_a_table_has_no_backslash_in_the_site() -> None:
+    row = r"| `a \| b` | c \| d |"
+
+    assert site_pages.barred(f"{row}\n`a \\| b`\n") == "| `a | b` | c \\| d |\n`a \\| b`\n"
+    shown = dict(site_pages.written_pages())["STATUSES.md"]
+    assert "`skiplatch effects | head -1`" in shown
+
+
+def test_site_goes_with_the_system_until_a_reader_chooses() -> None:
+    theme = Path("scripts/mkdocs.yml").read_text()
+
+    media = re.findall(r'media: "(.*)"', theme)
+
+    assert media[0] == "(prefers-color-scheme)"  # what comes first counts for who has not chosen
+    assert media[1:] == ["(prefers-color-scheme: light)", "(prefers-color-scheme: dark)"]
+
+
+def test_links_and_code_stand_out_from_the_dark_ground_of_code() -> None:
+    colours = re.findall(r"--[\w-]+: (#[0-9a-f]{6})", site_pages.STYLE)
+
+    assert len(colours) == 3
+    assert min(contrast(colour, GROUND_OF_DARK_CODE) for colour in colours) >= READABLE
 
 
 def test_a_link_that_leads_nowhere_is_refused() -> None:
