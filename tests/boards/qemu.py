@@ -71,21 +71,20 @@ class QemuBoard(EmulatedBoard):
 
     def _launch(self) -> None:
         folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory()))
-        names = ("qtest", "qmp") if self._loops_back else ("qtest", "qmp", "serial")
-        listening = {name: self._listen(folder / name) for name in names}
+        listening = {name: self._listen(folder / name) for name in ("qtest", "qmp")}
         command = [
             *(self.QEMU, "-M", self.MACHINE, "-kernel", str(self._program.resolve())),
             *("-accel", "tcg", "-icount", f"shift={ICOUNT_SHIFT}", "-S", "-nodefaults"),
             *("-display", "none", "-monitor", "none", "-qtest-log", "none"),
             *("-qtest", f"unix:{folder / 'qtest'}", "-qmp", f"unix:{folder / 'qmp'}"),
-            *(self._loop(folder) if self._loops_back else ("-serial", f"unix:{folder / 'serial'}")),
+            *(self._loop(folder) if self._loops_back else ("-serial", self._wire_of(listening))),
             *(*self.MORE, *self._options),
         ]
         self.process = subprocess.Popen(
             command, cwd=folder, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )
         self._stack.callback(self._end)
-        sockets = {name: self._accept(listening[name]) for name in names}
+        sockets = {name: self._accept(one) for name, one in listening.items()}
         self._qtest = self._file(sockets["qtest"])
         self._qmp = self._file(sockets["qmp"])
         if not self._loops_back:
@@ -96,6 +95,19 @@ class QemuBoard(EmulatedBoard):
     def _loop(self, folder: Path) -> tuple[str, ...]:
         """Give the options that put what is sent where the program reads it, in no time."""
         return ("-chardev", f"file,id=sent,path={folder / 'sent'}", "-serial", "chardev:sent")
+
+    def _wire_of(self, listening: dict[str, socket.socket]) -> str:
+        """Give what the UART is wired to: by TCP, whose buffers take bytes that come one by one.
+
+        A UNIX socket counts some 800 bytes for each. It is full after 270 of them, and QEMU loses
+        what follows wherever a busy machine lets nobody fetch them in time.
+        """
+        wire = self._stack.enter_context(socket.socket(socket.AF_INET))
+        wire.settimeout(PATIENCE_S)
+        wire.bind(("127.0.0.1", 0))
+        wire.listen(1)
+        listening["serial"] = wire
+        return f"tcp:127.0.0.1:{wire.getsockname()[1]},nodelay"
 
     def _listen(self, path: Path) -> socket.socket:
         listening = self._stack.enter_context(socket.socket(socket.AF_UNIX))
