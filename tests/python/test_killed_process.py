@@ -1,5 +1,6 @@
 """A process that works for a command is killed, as where memory runs out."""
 
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -57,4 +58,26 @@ def test_a_busy_process_ends_when_it_is_told_to_whatever_the_program_does_then()
             with pytest.raises(BrokenExecutor):
                 busy.result(PATIENCE_S)
     finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def test_a_process_ends_that_is_told_to_before_it_has_begun() -> None:
+    """On one processor a new process begins only when the one that made it waits."""
+    before = signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
+    processors = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(processors)})
+    try:
+        for _ in range(20):
+            with processes(1) as executor:
+                waiting = executor.submit(time.sleep, PATIENCE_S)
+                (new,) = multiprocessing.active_children()
+                new.terminate()
+                new.join(PATIENCE_S / 2)
+                ended = new.exitcode
+                new.kill()
+                with pytest.raises(BrokenExecutor):
+                    waiting.result(PATIENCE_S)
+            assert ended == -signal.SIGTERM
+    finally:
+        os.sched_setaffinity(0, processors)
         signal.signal(signal.SIGTERM, before)
