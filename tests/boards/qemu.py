@@ -38,7 +38,12 @@ class QemuBoard(EmulatedBoard):
     MORE: ClassVar[tuple[str, ...]] = ()
 
     def __init__(
-        self, program: Path, options: Sequence[str] = (), *, loops_back: bool = False
+        self,
+        program: Path,
+        options: Sequence[str] = (),
+        *,
+        loops_back: bool = False,
+        sends_much: bool = False,
     ) -> None:
         """Keep what to run, and what QEMU is given besides.
 
@@ -46,10 +51,11 @@ class QemuBoard(EmulatedBoard):
             program: The ELF file.
             options: More of QEMU's own options.
             loops_back: Let what UART 0 sends go into a file, `sent`, instead of to `serial`.
+            sends_much: Let `serial` hold hundreds of bytes; they are there a little later.
         """
         self._program = program
         self._options = options
-        self._loops_back = loops_back
+        self._loops_back, self._sends_much = loops_back, sends_much
         self._stack = ExitStack()
 
     def __enter__(self) -> Self:
@@ -71,20 +77,22 @@ class QemuBoard(EmulatedBoard):
 
     def _launch(self) -> None:
         folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory()))
-        listening = {name: self._listen(folder / name) for name in ("qtest", "qmp")}
+        names = ("qtest", "qmp") if self._loops_back else ("qtest", "qmp", "serial")
+        listening = {name: self._listen(folder / name) for name in names}
+        serial = self._by_tcp(listening) if self._sends_much else f"unix:{folder / 'serial'}"
         command = [
             *(self.QEMU, "-M", self.MACHINE, "-kernel", str(self._program.resolve())),
             *("-accel", "tcg", "-icount", f"shift={ICOUNT_SHIFT}", "-S", "-nodefaults"),
             *("-display", "none", "-monitor", "none", "-qtest-log", "none"),
             *("-qtest", f"unix:{folder / 'qtest'}", "-qmp", f"unix:{folder / 'qmp'}"),
-            *(self._loop(folder) if self._loops_back else ("-serial", self._wire_of(listening))),
+            *(self._loop(folder) if self._loops_back else ("-serial", serial)),
             *(*self.MORE, *self._options),
         ]
         self.process = subprocess.Popen(
             command, cwd=folder, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )
         self._stack.callback(self._end)
-        sockets = {name: self._accept(one) for name, one in listening.items()}
+        sockets = {name: self._accept(listening[name]) for name in names}
         self._qtest = self._file(sockets["qtest"])
         self._qmp = self._file(sockets["qmp"])
         if not self._loops_back:
@@ -96,8 +104,8 @@ class QemuBoard(EmulatedBoard):
         """Give the options that put what is sent where the program reads it, in no time."""
         return ("-chardev", f"file,id=sent,path={folder / 'sent'}", "-serial", "chardev:sent")
 
-    def _wire_of(self, listening: dict[str, socket.socket]) -> str:
-        """Give what the UART is wired to: by TCP, whose buffers take bytes that come one by one.
+    def _by_tcp(self, listening: dict[str, socket.socket]) -> str:
+        """Wire the UART by TCP, whose buffers take many bytes that come one by one.
 
         A UNIX socket counts some 800 bytes for each. It is full after 270 of them, and QEMU loses
         what follows wherever a busy machine lets nobody fetch them in time.

@@ -111,9 +111,10 @@ class TrainChecks:
         program = Path("build/boards", self.RIG.__module__.split(".")[2], "train.elf")
         if not self.RIG.EMULATOR.is_here() or not program.exists():
             pytest.skip(f"no {program} here: make setup-test says what is missing")
-        symbols = symbols_of(program, self.RIG.EMULATOR.NM)
-        with self.RIG.EMULATOR(program) as emulator:
-            assert isinstance(emulator, QemuBoard)
+        board = self.RIG.EMULATOR
+        assert issubclass(board, QemuBoard)
+        symbols = symbols_of(program, board.NM)
+        with board(program, sends_much=True) as emulator:
             yield Train(emulator, self.RIG(emulator, symbols, 0), symbols)
 
     def test_no_edge_of_a_train_is_lost_while_all_interrupts_run(self, train: Train) -> None:
