@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -88,3 +89,33 @@ def test_nothing_is_written_beside_a_file_that_is_kept(tmp_path: Path, refused: 
     refused("init", "--preset", "bench", "--out", out, "--json", tmp_path / "said.json")
 
     assert not (tmp_path / "said.json").exists()
+
+
+def moves_down(path: Path, count: int = 120) -> None:
+    """Write conditions of touches along Z alone, at one feed."""
+    rng = np.random.default_rng(1)
+    time_s = np.cumsum(rng.uniform(3.0, 8.0, count))
+    approach_mm, position_mm = rng.uniform(2.0, 5.0, count), rng.uniform(-60.0, 0.0, count)
+    rows = [
+        f"{k},{time_s[k]:.4f},skip,Z,-1,100,{approach_mm[k]:.3f},{position_mm[k]:.3f},,,,,"
+        for k in range(count)
+    ]
+    head = "touch,time_s,path,axis,sign,feed_mm_min,approach_mm,position_mm"
+    outcomes = "edge_us,latch_us,report_us,deviation_um,status"
+    path.write_text("\n".join([f"{head},{outcomes}", *rows, ""]))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("preset", PRESETS)
+def test_a_sound_rig_of_a_preset_has_no_gap(tmp_path: Path, preset: str) -> None:
+    """Of grbl's, whose reports come at once, an effect of less than a nanosecond made one."""
+    nominal, moves, sound = (tmp_path / name for name in ("nominal.toml", "moves.csv", "sound"))
+    run("--preset", preset, "--out", nominal)
+    moves_down(moves)
+    played = ["simulate", "--nominal", nominal, "--conditions", moves, "--out", sound]
+    told = ["diagnose", sound, "--seed", "1", "--json", tmp_path / "found.json"]
+    for words in (played, told):
+        result = CliRunner().invoke(group, [*map(str, words)], catch_exceptions=False)
+        assert result.exit_code == 0, result.output
+
+    assert json.loads((tmp_path / "found.json").read_text())["verdict"] == "no_gap"

@@ -146,7 +146,8 @@ def _conclusion(
     scene, believed, before = work.scene, work.rig(None), work.before
     fit = finding.model.fit if finding.model else None
     rig = work.rig(fit)
-    known = work.rig(finding.small.fit) if finding.small else rig
+    # One that is too small to matter is played where something is seen without it.
+    known = work.rig(finding.small.fit) if finding.small and work.is_noticed else rig
     found = named(scene.with_nominal(rig.nominal), finding, work.beliefs, work.pool)
     true_rig = None if truth is None else replace(rig, effects=truth)
     far_off = outliers(scene, known, work.materiality, seed=work.seed)
