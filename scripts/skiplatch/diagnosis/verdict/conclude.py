@@ -187,7 +187,6 @@ def _conclusion(
         is_loose=fit is not None and fit.is_loose,
         nats=_likelier(scene, held_out, believed, rig, fit) if fit else 0.0,
         gains=_gains(work, usual, rig, fit) if fit else {},
-        beyond_wandering=_beyond_wandering(work, rig, fit) if fit and after else {},
         is_confirmed=confirmed is None or confirmed.holds,
         outlying=len(odd),
         outlying_in=far_off.observables,
@@ -199,7 +198,17 @@ def _conclusion(
         gap = played(folds).gaps(usual)
         nats = _likelier_in_turn(scene, usual, believed, folds, fits)
         evidence = replace(evidence, gaps=gap, nats=nats, is_held_out=False)
+    if fit and _may_wander(fit, evidence):
+        evidence = replace(evidence, beyond_wandering=_beyond_wandering(work, rig, fit))
     return Conclusion(finding, rig, known, found, gap, hidden, odd, evidence)
+
+
+def _may_wander(fit: Fit, evidence: Evidence) -> bool:
+    """Tell whether a finding may be something slow: it leaves something, or ends and explains not.
+
+    What begins or ends is as slow as can be.
+    """
+    return bool(evidence.after) or (not fit.is_always and bool(failures(EXPLAINS, evidence)))
 
 
 def _of_chance(work: Work, fit: Fit | None, rig: Rig) -> tuple[bool, list[Left]]:

@@ -31,7 +31,8 @@ class Evidence:
         nats: By how much likelier it makes touches that served neither fitting nor naming.
         gains: What each effect found gains over what it gains on plays of the finding; by its id.
         beyond_wandering: Nats that effects gain beside something slow that nobody recorded, by id;
-            of those that shift touches by more than a level.
+            of those that shift touches by more than a level, where the finding leaves something, or
+            begins or ends and does not explain.
         is_confirmed: Plain simulation of them does better than the believed chain.
         outlying: Touches far off all that the finding plays, or the believed chain, and latches
             without a contact.

@@ -74,8 +74,8 @@ def _gains_as_much(evidence: Evidence, threshold: float) -> str:
 
 
 def wandering(evidence: Evidence, threshold: float = PLAIN) -> list[str]:
-    """Give the ids of effects that may be something slow, where a finding leaves something."""
-    nats = evidence.beyond_wandering.items() if evidence.after else ()
+    """Give the ids of effects that gain no more than something slow that wanders would."""
+    nats = evidence.beyond_wandering.items()
     return [name for name, gained in nats if gained < threshold]
 
 
