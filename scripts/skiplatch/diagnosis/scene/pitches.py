@@ -18,6 +18,7 @@ MOST_OFF = 0.02
 A_PART = 8
 """Numbers whose common divisor is a pitch, if none of them lies off."""
 PARTS_OF_A_PITCH = range(1, 10)
+"""What the coarsest pitch is divided by: few numbers may lie on twice the true one."""
 MOST_PITCHES = 3
 NEAREST = 0.501
 """Fine steps within which a number lies on a line."""
