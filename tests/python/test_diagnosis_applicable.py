@@ -41,9 +41,10 @@ def test_both_senses_of_two_axes_show_lobes(sides: int, *, are_shown: bool) -> N
     assert shows_lobes(scene_of(replace(machine, touches=few))) is are_shown
 
 
-def test_directions_that_nobody_recorded_show_no_lobes() -> None:
+@pytest.mark.parametrize("lobe_um", [0.0, 2.0])
+def test_directions_that_nobody_recorded_show_no_lobes(lobe_um: float) -> None:
     machine = on_four_sides(0.0)
-    probe = replace(machine.nominal.probe, lobe_um=2.0)
+    probe = replace(machine.nominal.probe, lobe_um=lobe_um)
     unknown = np.full(len(machine.touches), np.nan)
     touches = replace(machine.touches, alpha_deg=unknown, beta_deg=unknown)
     bare = replace(machine, nominal=replace(machine.nominal, probe=probe), touches=touches)

@@ -52,7 +52,7 @@ def shows_lobes(scene: Scene) -> bool:
     """
     sides = scene.is_sideways
     azimuths = np.unique(np.round(scene.touches.alpha_deg[sides]))
-    is_seen = scene.is_machine and scene.is_directed
+    is_seen = scene.is_machine and "alpha_deg" not in scene.stood_in
     return is_seen and len(azimuths) >= FEWEST_AZIMUTHS
 
 
