@@ -31,7 +31,7 @@ MOST = 500
 def beyond_wandering(scene: Scene, fit: Fit) -> Mapping[str, float]:
     """Give the nats that effects gain beside something slow, by id.
 
-    Of those whose shift is more than a level of its own, which no touch of it repeats.
+    Of those whose shift is more than a level of all touches, or of either sense.
     """
     found: dict[str, float] = {}
     for i, candidate in enumerate(fit.candidates):
@@ -51,7 +51,8 @@ def _by_stream(scene: Scene, fit: Fit, number: int) -> Iterator[float]:
         rows = rows[np.unique(np.linspace(0, len(rows) - 1, MOST).astype(np.intp))]
         chosen = np.isin(np.flatnonzero(stream.rows), rows)
         weights = weights_of(stream, after)[chosen]
-        sizes = np.column_stack([surfaces_of(scene, stream)[chosen], np.ones(len(rows))])
+        levels = np.column_stack([np.ones(len(rows)), scene.sign[rows]])
+        sizes = np.column_stack([surfaces_of(scene, stream)[chosen], levels])
         still = scipy.linalg.null_space((weights[:, None] * sizes).T)
         shift = still.T @ (weights * (after.mean - before.mean)[rows])
         if np.sqrt(np.sum(shift**2) / len(rows)) < SMALL:
